@@ -67,43 +67,30 @@ pub fn logits_with(
 
 #[cfg(test)]
 mod tests {
+    use std::array::from_fn;
+
     use super::*;
     use shared::intent::Vocabulary;
-    use shared::model::dimensions::{Dimensions, usual_span};
+    use shared::model::dimensions::Dimensions;
     use shared::model::encoder::DeviceEncoder;
-    use shared::model::file::random::{SMALL, random_model};
+    use shared::model::file::random::random_model;
 
     #[test]
     fn the_outputs_are_those_of_the_device_step_by_step() {
-        let dimensions = Dimensions {
-            width: 64,
-            layers: 2,
-            span: usual_span(2),
-            vocabulary: Vocabulary::Six,
-            ..SMALL
-        };
+        let dimensions = Dimensions::new(Vocabulary::Six, 64, 2, 27);
         let bytes = random_model(dimensions, 5).to_bytes().unwrap();
         let model = Model::parse(&bytes).unwrap();
         let device = DeviceEncoder::new(&model).unwrap();
+        let sample = |at: usize| from_fn(|channel| ((at * 8 + channel) * 37 % 129) as u8);
         let patches: Vec<Patch> = (0..39)
-            .map(|step| {
-                let mut patch = Patch::default();
-                for (index, value) in patch.as_flattened_mut().iter_mut().enumerate() {
-                    *value = ((index * 37 + step * 11) % 129) as u8;
-                }
-                patch
-            })
+            .map(|step| from_fn(|at| sample(10 * step + at)))
             .collect();
         let mut state = device.fresh();
-        let expected: Vec<LookBackLogits> = patches
-            .iter()
-            .map(|patch| device.step(&mut state, patch))
-            .collect();
+        let expected = patches.iter().map(|patch| device.step(&mut state, patch));
+        let expected: Vec<LookBackLogits> = expected.collect();
         for count in [0, 1, 3, 4, 38, 39] {
-            assert_eq!(
-                outputs(&model, &patches[..count]).unwrap(),
-                expected[..count]
-            );
+            let found = outputs(&model, &patches[..count]).unwrap();
+            assert_eq!(found, expected[..count]);
         }
     }
 }

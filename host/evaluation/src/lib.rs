@@ -9,6 +9,8 @@ mod cued;
 mod difference;
 mod error;
 mod evaluated_recording;
+#[cfg(test)]
+mod fixture;
 mod floor;
 mod group;
 pub mod inference;

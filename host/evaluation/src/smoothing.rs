@@ -67,22 +67,14 @@ mod tests {
 
     #[test]
     fn the_look_ahead_delays_emitted_labels_but_not_their_reference_times() {
-        let patches: Vec<LookBackLogits> = (0..40)
-            .map(|patch| logits(usize::from(patch >= 20) * 2))
-            .collect();
+        const CLOSE: Option<Intent> = Some(Intent::Close);
+        let patches = [vec![logits(0); 20], vec![logits(2); 20]].concat();
         let labels = smooth(&patches, 400, 3, Settings::PAPER_IN_PATCHES).unwrap();
-        let first = |labels: &[Option<Intent>]| {
-            labels
-                .iter()
-                .position(|&label| label == Some(Intent::Close))
-        };
-        let (reference, emitted) = (
-            first(&labels.reference).unwrap(),
-            first(&labels.emitted).unwrap(),
-        );
+        let [reference, emitted] = [&labels.reference, &labels.emitted]
+            .map(|labels| labels.iter().position(|&label| label == CLOSE).unwrap());
         // As in the lines of `replay`.
         assert_eq!(emitted - reference, 51);
-        assert_eq!(labels.emitted.last(), Some(&Some(Intent::Close)));
+        assert_eq!(labels.emitted.last(), Some(&CLOSE));
         assert_eq!(labels.reference.last(), Some(&None));
     }
 

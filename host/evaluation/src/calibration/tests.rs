@@ -6,6 +6,7 @@ use recordings::{Library, Movement, MovementKind};
 use shared::intent::{Intent, Vocabulary};
 
 use super::*;
+use crate::fixture::{self, C, O, R};
 use crate::model_evaluation::{Lesson, NamedModel, Selection, evaluate_models};
 use crate::{ALL, Score, System};
 
@@ -32,15 +33,12 @@ fn recording(
     labels: &[(Option<Intent>, usize)],
     others: &[(MovementKind, Range<usize>)],
 ) -> EvaluatedRecording {
-    let labels: Vec<Option<Intent>> = labels
-        .iter()
-        .flat_map(|&(label, halves)| vec![label; 100 * halves])
-        .collect();
+    let samples = labels.iter().map(|&(label, halves)| (label, 100 * halves));
+    let others = others.iter().cloned();
     EvaluatedRecording {
-        lag_compensated: labels,
+        lag_compensated: fixture::labels(&samples.collect::<Vec<_>>()),
         other_movement: others
-            .iter()
-            .map(|(kind, samples)| Movement::new(*kind, samples.clone()))
+            .map(|(kind, samples)| Movement::new(kind, samples))
             .collect(),
         ..EvaluatedRecording::made_up("synthetic/a", &[])
     }
@@ -48,41 +46,26 @@ fn recording(
 
 #[test]
 fn a_round_is_a_hold_of_each_gesture_and_two_rests() {
-    const RELAX: Option<Intent> = Some(Intent::Relax);
-    const OPEN: Option<Intent> = Some(Intent::Open);
-    const CLOSE: Option<Intent> = Some(Intent::Close);
-    let first = recording(
-        &[
-            (RELAX, 8),
-            (OPEN, 4),
-            (RELAX, 1),
-            (CLOSE, 4),
-            (None, 2),
-            (OPEN, 4),
-        ],
-        &[],
-    );
-    let second = recording(&[(RELAX, 2), (CLOSE, 2), (RELAX, 2), (CLOSE, 2)], &[]);
+    let first = [(R, 8), (O, 4), (R, 1), (C, 4), (None, 2), (O, 4)];
+    let second = [(R, 2), (C, 2), (R, 2), (C, 2)];
+    let [first, second] = [&first[..], &second].map(|labels| recording(labels, &[]));
     let own = [&first, &second];
     assert_eq!(rounds_of(&own, Vocabulary::Three), 2);
     assert_eq!(rounds_of(&own[1..], Vocabulary::Three), 0);
     let found = parts(&own, Vocabulary::Three, 2);
     let of = |intent| {
-        let own = found
-            .iter()
-            .filter(move |part| part.shown == Shown::Intent(intent));
-        own.map(|part| (part.recording, part.samples.clone(), part.round))
-            .collect::<Vec<_>>()
+        let own = found.iter();
+        let own = own.filter(move |part| part.shown == Shown::Intent(intent));
+        let own = own.map(|part| (part.recording, part.samples.clone(), part.round));
+        own.collect::<Vec<_>>()
     };
-    assert_eq!(
-        of(Intent::Relax),
-        [
-            (0, 0..600, 0),
-            (0, 1200..1300, 0),
-            (1, 0..200, 1),
-            (1, 400..600, 1)
-        ]
-    );
+    let rests = [
+        (0, 0..600, 0),
+        (0, 1200..1300, 0),
+        (1, 0..200, 1),
+        (1, 400..600, 1),
+    ];
+    assert_eq!(of(Intent::Relax), rests);
     assert_eq!(of(Intent::Open), [(0, 800..1200, 0), (0, 1900..2300, 1)]);
     assert_eq!(of(Intent::Close), [(0, 1300..1700, 0), (1, 200..400, 1)]);
 }
@@ -90,26 +73,18 @@ fn a_round_is_a_hold_of_each_gesture_and_two_rests() {
 #[test]
 fn other_movement_is_shown_kind_by_kind_for_a_second_and_half_of_it_is_left() {
     use MovementKind::{Point, ThumbUp};
-    let own = recording(
-        &[(None, 40)],
-        &[
-            (Point, 0..400),
-            (Point, 500..560),
-            (Point, 600..1000),
-            (ThumbUp, 1200..1350),
-            (
-                MovementKind::Daily(recordings::DailyKind::Typing),
-                1400..3000,
-            ),
-            (ThumbUp, 3100..3300),
-        ],
-    );
-    let found = parts(&[&own], Vocabulary::Three, 4);
-    let found: Vec<_> = found
-        .iter()
-        .map(|part| (part.shown, part.samples.clone()))
-        .collect();
-    assert_eq!(found, [(Shown::Other, 0..200), (Shown::Other, 1200..1350)]);
+    let typing = MovementKind::Daily(recordings::DailyKind::Typing);
+    let others = [
+        (Point, 0..400),
+        (Point, 500..560),
+        (Point, 600..1000),
+        (ThumbUp, 1200..1350),
+        (typing, 1400..3000),
+        (ThumbUp, 3100..3300),
+    ];
+    let found = parts(&[&recording(&[(None, 40)], &others)], Vocabulary::Three, 4);
+    let found = found.into_iter().map(|part| (part.shown, part.samples));
+    assert!(found.eq([(Shown::Other, 0..200), (Shown::Other, 1200..1350)]));
 }
 
 #[test]
@@ -135,12 +110,12 @@ fn a_turned_armband_gains_as_much_and_the_file_is_for_it() {
     let ([_, gained], _) = recalls(&file, &library(1));
     for placed in [Alignment::new(3, false), Alignment::new(6, true)] {
         let mut turned = library(1);
-        for sample in turned
-            .recordings
-            .iter_mut()
-            .flat_map(|own| &mut own.samples)
-        {
-            *sample = placed.inverse().apply(*sample);
+        for own in &mut turned.recordings {
+            let worn = own
+                .samples
+                .iter()
+                .map(|sample| placed.inverse().apply(*sample));
+            own.samples = worn.collect();
         }
         let ([_, found], written) = recalls(&file, &turned);
         let ([kept, _], _) = recalls(&written.unwrap(), &turned);
@@ -196,8 +171,9 @@ fn it_must_be_clear_whose_recordings_are_meant() {
     assert_eq!(found(Some(&first)).unwrap(), first);
     assert_eq!(found(Some(short)).unwrap(), first);
     for name in [None, Some("nobody")] {
+        let refused = found(name);
         assert!(
-            matches!(found(name), Err(EvaluationError::Whose(_))),
+            matches!(refused, Err(EvaluationError::Whose(_))),
             "{name:?}"
         );
     }
@@ -221,10 +197,8 @@ fn the_same_remainder_is_judged_for_any_number_of_rounds() {
             .results
     };
     let of = |scores: &[Score], model: &System| {
-        let own = scores
-            .iter()
-            .filter(|own| own.model == *model && own.data_set != ALL);
-        own.cloned().collect::<Vec<_>>()
+        let is_own = |own: &&Score| own.model == *model && own.data_set != ALL;
+        scores.iter().filter(is_own).cloned().collect::<Vec<_>>()
     };
     let [none, one, two] = [0, 1, 2].map(scores);
     let [own, calibrated] = ["m", "m, calibrated"].map(System::from);
@@ -236,14 +210,8 @@ fn the_same_remainder_is_judged_for_any_number_of_rounds() {
         assert_eq!(people(&after), people(&of(&none.scores, &own)));
         assert_ne!(after, of(&none.scores, &own));
     }
-    assert!(
-        one.calibrations
-            .iter()
-            .all(|own| own.calibration.judged.is_none())
-    );
-    assert!(
-        two.calibrations
-            .iter()
-            .all(|own| own.calibration.judged.is_some())
-    );
+    for (results, is_judged) in [(one, false), (two, true)] {
+        let mut calibrations = results.calibrations.iter();
+        assert!(calibrations.all(|own| own.calibration.judged.is_some() == is_judged));
+    }
 }

@@ -90,11 +90,11 @@ fn delayed(labels: &[Option<Intent>], samples: usize) -> Vec<Option<Intent>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fixture::{C, R, labels};
 
     #[test]
     fn a_delay_is_part_of_the_latency_alone() {
-        let (r, c) = (Some(Intent::Relax), Some(Intent::Close));
-        let labels = [vec![r; 300], vec![c; 300], vec![r; 300]].concat();
+        let labels = labels(&[(R, 300), (C, 300), (R, 300)]);
         let truth = GroundTruth {
             labels: labels.clone(),
             ..GroundTruth::default()

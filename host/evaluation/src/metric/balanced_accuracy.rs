@@ -77,30 +77,27 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::fixture::{self, C, O, R};
 
     #[test]
     fn a_constant_prediction_has_the_recall_of_one_class() {
-        let (r, o, c) = (Some(Intent::Relax), Some(Intent::Open), Some(Intent::Close));
-        let truth = [vec![r; 90], vec![o; 5], vec![c; 5], vec![None; 7]].concat();
-        let recalls = Recalls::new(&truth, &vec![r; truth.len()]).unwrap();
+        let truth = fixture::labels(&[(R, 90), (O, 5), (C, 5), (None, 7)]);
+        let recalls = Recalls::new(&truth, &vec![R; truth.len()]).unwrap();
         assert_eq!(recalls.balanced_accuracy(), Some(1.0 / 3.0));
         assert_eq!(recalls.recall(Intent::WaveIn), None);
         assert_eq!(recalls.raw_accuracy(), Some(0.9));
         assert_eq!(Recalls::default().raw_accuracy(), None);
-        let half = Recalls::new(&[r, r, o, o, None], &[r, o, o, None, None]).unwrap();
+        let half = Recalls::new(&[R, R, O, O, None], &[R, O, O, None, None]).unwrap();
         assert_eq!(half.raw_accuracy(), Some(0.5));
         assert_eq!(Recalls::default().balanced_accuracy(), None);
         let relax_alone = Recalls::new(&truth[..90], &truth[..90]).unwrap();
         assert_eq!(relax_alone.balanced_accuracy(), None);
         assert_eq!(relax_alone.recall(Intent::Relax), Some(1.0));
         let refused = Recalls::new(&truth[..1], &[]);
-        assert!(matches!(
-            refused,
-            Err(EvaluationError::Length {
-                truth: 1,
-                prediction: 0
-            })
-        ));
+        let EvaluationError::Length { truth, prediction } = refused.unwrap_err() else {
+            panic!("expected a refusal of the lengths");
+        };
+        assert_eq!((truth, prediction), (1, 0));
     }
 
     proptest! {

@@ -56,15 +56,10 @@ mod tests {
 
     #[test]
     fn every_labelled_sample_lands_in_one_cell() {
-        let (r, o, w) = (
-            Some(Intent::Relax),
-            Some(Intent::Open),
-            Some(Intent::WaveIn),
-        );
+        let [r, o, w] = [Intent::Relax, Intent::Open, Intent::WaveIn].map(Some);
         let mut confusion = Confusion::new(Vocabulary::Three);
-        confusion
-            .add(&[r, r, o, o, None, w], &[r, o, w, None, r, r])
-            .unwrap();
+        let (truth, predicted) = ([r, r, o, o, None, w], [r, o, w, None, r, r]);
+        confusion.add(&truth, &predicted).unwrap();
         assert_eq!(confusion.counts, [[1, 1, 0, 0], [0, 0, 0, 2], [0, 0, 0, 0]]);
     }
 }

@@ -167,24 +167,16 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::fixture::{O, R, labels};
     use crate::{Measure, Score};
 
-    const R: Option<Intent> = Some(Intent::Relax);
-    const O: Option<Intent> = Some(Intent::Open);
-
     fn step(change: usize) -> Vec<Option<Intent>> {
-        (0..1000)
-            .map(|at| if at < change { R } else { O })
-            .collect()
+        labels(&[(R, change), (O, 1000 - change)])
     }
 
     #[test]
     fn a_true_label_of_one_sample_counts_as_the_label_before_it() {
-        let runs = [(R, 300), (O, 1), (R, 300), (None, 1), (O, 1), (R, 300)];
-        let truth: Vec<_> = runs
-            .iter()
-            .flat_map(|&(label, count)| vec![label; count])
-            .collect();
+        let truth = labels(&[(R, 300), (O, 1), (R, 300), (None, 1), (O, 1), (R, 300)]);
         let score = RecordingScore::new("a", &truth, &truth, &Rule::default()).unwrap();
         let changes: Vec<usize> = score.transitions.changes.iter().map(|own| own.at).collect();
         assert_eq!(changes, [603]);

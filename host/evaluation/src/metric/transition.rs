@@ -246,41 +246,20 @@ impl Windows {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    const R: Label = Some(Intent::Relax);
-    const O: Label = Some(Intent::Open);
-    const C: Label = Some(Intent::Close);
-
-    fn sequence(runs: &[(Label, usize)]) -> Vec<Label> {
-        runs.iter()
-            .flat_map(|&(label, count)| vec![label; count])
-            .collect()
-    }
+    use crate::fixture::{C, O, R, labels};
 
     #[test]
     fn unlabelled_stretches_divide_the_truth() {
-        let truth = sequence(&[
-            (R, 300),
-            (O, 300),
-            (None, 200),
-            (R, 300),
-            (C, 300),
-            (None, 10),
-        ]);
-        let prediction = sequence(&[(R, 310), (O, 490), (R, 290), (C, 320)]);
+        let parts = [
+            [(R, 300), (O, 300), (None, 200)],
+            [(R, 300), (C, 300), (None, 10)],
+        ];
+        let truth = labels(&parts.concat());
+        let prediction = labels(&[(R, 310), (O, 490), (R, 290), (C, 320)]);
         let score = score(&truth, &prediction, &Rule::default()).unwrap();
-        let found: Vec<_> = score
-            .changes
-            .iter()
-            .map(|c| (c.at, c.status, c.offset, c.maintenance.end))
-            .collect();
-        assert_eq!(
-            found,
-            [
-                (300, TransitionStatus::Ok, Some(10), 600),
-                (1100, TransitionStatus::Ok, Some(-10), 1400)
-            ]
-        );
+        let changes = score.changes.iter();
+        let found = changes.map(|own| (own.at, own.offset, own.maintenance.end));
+        assert!(found.eq([(300, Some(10), 600), (1100, Some(-10), 1400)]));
         assert_eq!(score.accuracy(), Some(1.0));
     }
 
@@ -293,12 +272,12 @@ mod tests {
 
     #[test]
     fn a_label_of_one_sample_is_refused_with_its_place() {
-        let truth = sequence(&[(R, 300), (O, 1), (R, 300)]);
-        let error = score(&truth, &truth, &Rule::default()).unwrap_err();
-        assert!(
-            matches!(error, EvaluationError::SingleSampleLabel(300)),
-            "{error}"
-        );
+        let truth = labels(&[(R, 300), (O, 1), (R, 300)]);
+        let refused = score(&truth, &truth, &Rule::default());
+        assert!(matches!(
+            refused,
+            Err(EvaluationError::SingleSampleLabel(300))
+        ));
     }
 
     proptest::proptest! {

@@ -83,7 +83,7 @@ mod tests {
     use recordings::DataSet;
 
     /// Evaluated people of a selection, and test people left out: roshambo/03, and roshambo/06, who is a test person.
-    fn selected(names: &[&str], test: bool) -> (Vec<String>, Vec<String>) {
+    fn selected(names: &[&str], test: bool) -> [Vec<String>; 2] {
         let recordings = ["roshambo/03", "roshambo/06"].map(|subject| {
             Recording::new(DataSet::named("roshambo"), subject, Vec::new(), Vec::new())
         });
@@ -95,30 +95,22 @@ mod tests {
         let recordings: Vec<&Recording> = recordings.iter().collect();
         let (evaluated, left_out) = subjects(&[], &[], &recordings, &selection).unwrap();
         let evaluated = evaluated.into_iter().map(|own| own.subject);
-        (evaluated.collect(), left_out.test)
+        [evaluated.collect(), left_out.test]
     }
 
     #[test]
     fn test_people_of_a_whole_set_are_evaluated_if_asked_for_and_left_out_in_words_if_not() {
-        let (both, one, test) = (
-            vec!["roshambo/03".to_owned(), "roshambo/06".to_owned()],
-            vec!["roshambo/03".to_owned()],
-            vec!["roshambo/06".to_owned()],
-        );
-        for names in [&[][..], &["roshambo"], &["roshambo", "roshambo/03"]] {
+        let [plain, test] = ["roshambo/03", "roshambo/06"];
+        for names in [&[][..], &["roshambo"], &["roshambo", plain]] {
             assert_eq!(
                 selected(names, true),
-                (both.clone(), Vec::new()),
+                [&[plain, test][..], &[]],
                 "{names:?}"
             );
-            assert_eq!(
-                selected(names, false),
-                (one.clone(), test.clone()),
-                "{names:?}"
-            );
+            assert_eq!(selected(names, false), [[plain], [test]], "{names:?}");
         }
         // A person who is named is evaluated.
-        assert_eq!(selected(&["roshambo/06"], false), (test, Vec::new()));
-        assert_eq!(selected(&["roshambo/03"], true), (one, Vec::new()));
+        assert_eq!(selected(&[test], false), [&[test][..], &[]]);
+        assert_eq!(selected(&[plain], true), [&[plain][..], &[]]);
     }
 }

@@ -3,23 +3,15 @@
 use super::latency::Latency;
 use super::summary::SubjectEvents;
 use super::*;
+use crate::fixture::{C, O, R, labels};
 use crate::{Measure, Score};
 
 type Label = Option<Intent>;
 
 const N: Label = None;
-const R: Label = Some(Intent::Relax);
-const O: Label = Some(Intent::Open);
-const C: Label = Some(Intent::Close);
-
-fn sequence(runs: &[(Label, usize)]) -> Vec<Label> {
-    runs.iter()
-        .flat_map(|&(label, count)| vec![label; count])
-        .collect()
-}
 
 fn events(truth: &[(Label, usize)], emitted: &[(Label, usize)]) -> RecordingEvents {
-    let (truth, emitted) = (sequence(truth), sequence(emitted));
+    let (truth, emitted) = (labels(truth), labels(emitted));
     RecordingEvents::new(&truth, &emitted, &[]).unwrap()
 }
 
@@ -45,6 +37,10 @@ fn a_gesture_is_recognised_when_its_label_begins_and_is_held() {
     assert_eq!(verdict(&half_of_it_with_the_tolerance), recognised(250));
 }
 
+const INTERRUPTED: [(Label, usize); 5] = [(R, 440), (C, 190), (R, 20), (C, 190), (R, 360)];
+const OTHER_FIRST: [(Label, usize); 4] = [(R, 440), (O, 20), (C, 360), (R, 380)];
+const OTHER_AT_RELEASE: [(Label, usize); 4] = [(R, 440), (C, 380), (O, 20), (R, 360)];
+
 /// Name, emitted labels with their samples, and what becomes of the gesture.
 type Case = (&'static str, &'static [(Label, usize)], Verdict);
 
@@ -59,26 +55,14 @@ fn each_missed_gesture_has_its_reason() {
         ("too late", &[(R, 850), (C, 350)], NoLabel),
         ("less than half", &[(R, 500), (C, 199), (R, 501)], NotHeld),
         (
-            "less than half from the onset on",
+            "early, less than half",
             &[(R, 350), (C, 249), (R, 601)],
             NotHeld,
         ),
         ("less than half left", &[(R, 651), (C, 549)], NotHeld),
-        (
-            "interrupted",
-            &[(R, 440), (C, 190), (R, 20), (C, 190), (R, 360)],
-            NotHeld,
-        ),
-        (
-            "other first",
-            &[(R, 440), (O, 20), (C, 360), (R, 380)],
-            OtherLabel,
-        ),
-        (
-            "other at release",
-            &[(R, 440), (C, 380), (O, 20), (R, 360)],
-            OtherLabel,
-        ),
+        ("interrupted", &INTERRUPTED, NotHeld),
+        ("other first", &OTHER_FIRST, OtherLabel),
+        ("other at release", &OTHER_AT_RELEASE, OtherLabel),
     ];
     for (name, emitted, reason) in cases {
         assert_eq!(verdict(emitted), (reason, None), "{name}");
@@ -107,13 +91,11 @@ fn decisions_are_balanced_over_the_labels_of_a_person() {
     let open = events(&opens, &[(R, 440), (C, 390), (R, 370)]);
     let own = SubjectEvents::new("a", [&closes, &closes, &closes, &open]);
     let of = |label: &str| (own.decisions[label].counted, own.decisions[label].all);
-    assert_eq!(
-        [of("close"), of("open"), of("relax")],
-        [(3, 3), (0, 1), (8, 8)]
-    );
+    let found = ["close", "open", "relax"].map(of);
+    assert_eq!(found, [(3, 3), (0, 1), (8, 8)]);
     assert_eq!((own.decided(), own.rest_kept()), (Some(0.5), Some(1.0)));
     // A wrong label for a moment does not decide, but the gesture is not recognised.
-    let other_first = events(&TRUTH, &[(R, 440), (O, 20), (C, 360), (R, 380)]);
+    let other_first = events(&TRUTH, &OTHER_FIRST);
     let other = SubjectEvents::new("b", [&other_first]);
     assert_eq!((other.decided(), other.recognition), (Some(1.0), Some(0.0)));
     let nothing = SubjectEvents::new("c", []);
@@ -164,8 +146,7 @@ fn a_gesture_is_released_when_its_label_changes_after_the_muscle() {
     let back = [(R, 440), (C, 370), (R, 20), (C, 60), (R, 310)];
     assert_eq!(release(&TRUTH, &back), [Some(90)]);
     assert_eq!(release(&TRUTH, &[(R, 1200)]), [None]);
-    let other = [(R, 440), (C, 380), (O, 20), (R, 360)];
-    assert_eq!(release(&TRUTH, &other), [None]);
+    assert_eq!(release(&TRUTH, &OTHER_AT_RELEASE), [None]);
     // The end is not known, or what follows it is too short for a slow release.
     let to_the_end = [(R, 440), (C, 760)];
     assert_eq!(release(&[(R, 400), (C, 800)], &to_the_end), [None]);
@@ -202,7 +183,7 @@ fn direct_changes_divide_what_the_gestures_own() {
 
 #[test]
 fn daily_life_is_neither_rest_nor_other_movement() {
-    let emitted = sequence(&[(C, 100), (R, 300), (O, 150), (C, 50), (R, 600)]);
+    let emitted = labels(&[(C, 100), (R, 300), (O, 150), (C, 50), (R, 600)]);
     let truth = vec![N; emitted.len()];
     let daily = |kind, samples| Movement::new(MovementKind::Daily(kind), samples);
     let movements = [
@@ -226,28 +207,21 @@ fn daily_life_is_neither_rest_nor_other_movement() {
 
 #[test]
 fn false_activations_are_counted_in_rest_and_in_other_movements() {
-    let truth = sequence(&[(R, 1200), (C, 400), (R, 400), (N, 400)]);
+    let truth = labels(&[(R, 1200), (C, 400), (R, 400), (N, 400)]);
     // Two in rest; one within the tolerance before the gesture; one that goes on in other movements and one there.
     let rests = [(R, 100), (O, 50), (C, 50), (R, 960), (O, 20), (R, 800)];
     let emitted = [&rests[..], &[(O, 40), (R, 100), (C, 280)]].concat();
-    let emitted = sequence(&emitted);
+    let emitted = labels(&emitted);
     let other = [
         Movement::new(MovementKind::Point, 2000..2100),
         Movement::new(MovementKind::ThumbUp, 2100..2200),
         Movement::new(MovementKind::ThumbUp, 2200..2400),
     ];
     let events = RecordingEvents::new(&truth, &emitted, &other).unwrap();
-    let rest = Rate {
-        count: 3,
-        seconds: (1150.0 + 350.0) / 200.0,
-    };
-    assert_eq!(events.rest, rest);
+    let rate = |of: Rate| (of.count, of.seconds);
+    assert_eq!(rate(events.rest), (3, (1150.0 + 350.0) / 200.0));
     assert_eq!(events.rest.per_minute(), Some(24.0));
-    let other = Rate {
-        count: 1,
-        seconds: 2.0,
-    };
-    assert_eq!(events.other_movement, other);
+    assert_eq!(rate(events.other_movement), (1, 2.0));
     assert_eq!(Rate::default().per_minute(), None);
     // What went on from before is not raised by the movement, nor what goes on into the next one.
     use MovementKind::{Point, ThumbUp};

@@ -245,22 +245,16 @@ mod tests {
 
     #[test]
     fn numbers_are_short() {
-        assert_eq!(
-            [12.0, 0.25, -0.0001, 200.0, 0.1 + 0.2].map(short),
-            ["12", "0.25", "0", "200", "0.3"]
-        );
+        let found = [12.0, 0.25, -0.0001, 200.0, 0.1 + 0.2].map(short);
+        assert_eq!(found, ["12", "0.25", "0", "200", "0.3"]);
     }
 
     #[test]
     fn ticks_are_round_and_inside_the_range() {
-        assert_eq!(
-            ticks((-0.03, 1.27), 5.0).collect::<Vec<_>>(),
-            [0.0, 0.5, 1.0]
-        );
-        assert_eq!(
-            ticks((1.0, 30.0), 6.0).collect::<Vec<_>>(),
-            [5.0, 10.0, 15.0, 20.0, 25.0, 30.0]
-        );
+        let found = ticks((-0.03, 1.27), 5.0);
+        assert!(found.eq([0.0, 0.5, 1.0]));
+        let found = ticks((1.0, 30.0), 6.0);
+        assert!(found.eq([5.0, 10.0, 15.0, 20.0, 25.0, 30.0]));
     }
 
     #[test]
@@ -287,24 +281,29 @@ mod tests {
     }
 
     #[test]
+    fn latencies_of_several_models_are_drawn_on_one_scale() {
+        let one = vec![Some(24)];
+        let alone = &latencies(&[one.clone()])[0].0;
+        let both = latencies(&[one, vec![Some(90); 2]]);
+        // The numbers at the ends of the axes.
+        for number in [">450</text>", ">2</text>"] {
+            assert!(!alone.contains(number), "{number}");
+            assert!(both.iter().all(|own| own.0.contains(number)), "{number}");
+        }
+    }
+
+    #[test]
     fn one_latency_and_none_are_drawn_too() {
         assert!(latencies(&[vec![]])[0].0.contains("0 of 0 gestures"));
-        for (own, words) in [
-            (
-                vec![Some(24)],
-                "1 of 1 gestures recognised: half within 120 ms, nine in ten within 120 ms",
-            ),
-            (
-                vec![Some(24), None],
-                "1 of 2 gestures recognised: half within 120 ms, more than one in ten missed",
-            ),
-            (
-                vec![Some(24), None, None],
-                "1 of 3 gestures recognised: more than half missed",
-            ),
+        for (missed, words) in [
+            (0, "half within 120 ms, nine in ten within 120 ms"),
+            (1, "half within 120 ms, more than one in ten missed"),
+            (2, "more than half missed"),
         ] {
+            let own = [vec![Some(24)], vec![None; missed]].concat();
             let svg = &latencies(&[own])[0].0;
-            assert!(svg.contains(words), "{svg}");
+            let words = format!("1 of {} gestures recognised: {words}", 1 + missed);
+            assert!(svg.contains(&words), "{words}: {svg}");
         }
     }
 }

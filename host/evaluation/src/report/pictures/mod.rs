@@ -154,10 +154,8 @@ mod tests {
             left: 10.0,
             width: 200.0,
         };
-        assert_eq!(
-            [0.0, 0.5, 1.0, 7.0].map(|share| axis.x(share)),
-            [10.0, 110.0, 210.0, 210.0]
-        );
+        let places = [0.0, 0.5, 1.0, 7.0].map(|share| axis.x(share));
+        assert_eq!(places, [10.0, 110.0, 210.0, 210.0]);
     }
 
     #[test]

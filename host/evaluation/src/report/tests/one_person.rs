@@ -32,24 +32,6 @@ fn intervals_are_told_of_where_they_are_drawn_and_elsewhere_the_page_says_why_th
 }
 
 #[test]
-fn latencies_of_several_models_are_drawn_on_one_scale() {
-    let (two, one) = (two_people(), people(1));
-    let html = page(&two, &[two.entry(), one.entry()]).html().unwrap();
-    // The numbers of the axes.
-    let pictures: Vec<&str> = html.split("<title>Latency of gestures</title>").collect();
-    let numbers = |picture: &str| {
-        let (svg, _) = picture.split_once("</svg>").unwrap();
-        let texts = svg
-            .split("</text>")
-            .filter_map(|text| text.rsplit('>').next());
-        let texts = texts.filter(|text| text.parse::<f64>().is_ok());
-        texts.map(str::to_owned).collect::<Vec<_>>()
-    };
-    assert_eq!(pictures.len(), 3);
-    assert_eq!(numbers(pictures[1]), numbers(pictures[2]));
-}
-
-#[test]
 fn what_a_terminal_shows_has_at_most_100_columns() {
     let evaluated = four_people();
     for table in [true, false]
