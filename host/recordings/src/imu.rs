@@ -79,18 +79,8 @@ mod tests {
         let imu = Imu([16_384, -8192, 1, 0, 2048, -1024, 0, 16, -24, 1]);
         let written = text(&[(0, imu), (4, imu)]);
         std::fs::write(beside(&recording), &written).unwrap();
-        let movement = [
-            1.0,
-            -0.5,
-            1.0 / 16_384.0,
-            0.0,
-            1.0,
-            -0.5,
-            0.0,
-            1.0,
-            -1.5,
-            0.0625,
-        ];
+        let turn = 1.0 / 16_384.0;
+        let movement = [1.0, -0.5, turn, 0.0, 1.0, -0.5, 0.0, 1.0, -1.5, 0.0625];
         let rows = read(&recording).unwrap().unwrap();
         assert_eq!(rows.len(), 2);
         for (row, at) in rows.iter().zip([0.0, 4.0]) {

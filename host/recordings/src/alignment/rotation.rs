@@ -95,16 +95,11 @@ mod tests {
 
     #[test]
     fn each_set_with_a_frame_of_its_own_is_told_and_no_other() {
-        let sets = [
-            DataSet::named("roshambo"),
-            DataSet::named("cote-allard"),
-            DataSet::named("one-subject-myo"),
-            DataSet::named("uci-gestures"),
-            DataSet::OWN,
-        ];
+        let sets = ["roshambo", "cote-allard", "one-subject-myo", "uci-gestures"];
+        let sets = sets.map(DataSet::named).into_iter().chain([DataSet::OWN]);
         let recordings = sets.map(|set| Recording::new(set, "", vec![[0; CHANNELS]], vec![None]));
         let library = Library {
-            recordings: recordings.into(),
+            recordings: recordings.collect(),
             ..Library::default()
         };
         assert_eq!(

@@ -83,6 +83,8 @@ pub fn template(people: &[[f64; CHANNELS]]) -> Option<Template> {
 
 #[cfg(test)]
 mod tests {
+    use std::array::from_fn;
+
     use super::*;
     use rand::{RngExt as _, SeedableRng as _};
     use rand_chacha::ChaCha8Rng;
@@ -105,26 +107,14 @@ mod tests {
             .collect()
     }
 
-    fn fit(template: &Template, open: [f64; CHANNELS]) -> shared::stream::alignment::Fit {
-        template
-            .fit(Profile::new(open.map(|mean| mean as u32)))
-            .nearest
-    }
-
     #[test]
     fn a_matrix_times_its_inverse_is_the_identity() {
         // Diagonally dominant, therefore positive definite.
-        let mut matrix = Matrix::default();
-        for (row, values) in matrix.iter_mut().enumerate() {
-            for (column, value) in values.iter_mut().enumerate() {
-                let apart = row.abs_diff(column) as f64;
-                *value = if apart == 0.0 {
-                    5.0
-                } else {
-                    1.0 / (1.0 + apart)
-                };
-            }
-        }
+        let value = |row: usize, column| match row.abs_diff(column) {
+            0 => 5.0,
+            apart => 1.0 / (1.0 + apart as f64),
+        };
+        let matrix: Matrix = from_fn(|row| from_fn(|column| value(row, column)));
         let inverse = inverse(matrix);
         let product = |row: usize, column: usize| -> f64 {
             let products = matrix[row].iter().zip(&inverse);
@@ -143,8 +133,9 @@ mod tests {
         let mut random = ChaCha8Rng::seed_from_u64(11);
         for worn in Alignment::all() {
             let open = person(&mut random, worn);
-            let counts = open.map(|octaves| 640.0 * octaves.exp2());
-            assert_eq!(fit(&template, counts).alignment, worn);
+            let counts = open.map(|octaves| (640.0 * octaves.exp2()) as u32);
+            let fits = template.fit(Profile::new(counts));
+            assert_eq!(fits.nearest.alignment, worn);
         }
     }
 

@@ -158,12 +158,9 @@ mod tests {
     use crate::recording::Recording;
 
     fn read(text: &str) -> Result<Vec<Recording>, LoadError> {
-        let (path, bytes) = (
-            Path::new("/d/testingJSON/user7/user7.json"),
-            text.as_bytes(),
-        );
-        let file = PublishedFile::of(path, bytes).expect("a path of the set");
-        file.read(bytes)
+        let path = Path::new("/d/testingJSON/user7/user7.json");
+        let file = PublishedFile::of(path, text.as_bytes()).expect("a path of the set");
+        file.read(text.as_bytes())
     }
 
     /// File of a user with repetitions of these fields, which have ' for ".
@@ -202,17 +199,13 @@ mod tests {
 
     #[test]
     fn faults_name_the_trial_or_the_line() {
-        let cut = user(&[""]);
+        let short = user(&["'gestureName': 'fist', 'groundTruth': [0, 1],"]);
+        let unknown = user(&["'gestureName': 'wink',"]);
+        let whole = user(&[""]);
         for (text, words) in [
-            (
-                &*user(&["'gestureName': 'fist', 'groundTruth': [0, 1],"]),
-                "trainingSamples/idx_1",
-            ),
-            (&cut[..cut.len() - 4], "line 2"),
-            (
-                &user(&["'gestureName': 'wink',"]),
-                "idx_1: expected a label that is listed",
-            ),
+            (&short[..], "trainingSamples/idx_1"),
+            (&unknown, "idx_1: expected a label that is listed"),
+            (&whole[..whole.len() - 4], "line 2"),
         ] {
             let error = read(text).unwrap_err().to_string();
             assert!(error.contains(words), "{error}");

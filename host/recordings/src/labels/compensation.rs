@@ -108,14 +108,7 @@ mod tests {
 
     /// Cues of rest, open, rest, scissors, rest, close, rest; the muscle is loud in these ranges.
     fn recording(loud: &[std::ops::Range<usize>]) -> Recording {
-        let cues = [
-            (O, 400),
-            (R, 400),
-            (None, 400),
-            (R, 400),
-            (C, 400),
-            (R, 400),
-        ];
+        let cues = [O, R, None, R, C, R].map(|label| (label, 400));
         let labels = [vec![R; 600], labels(&cues)].concat();
         let samples = muscle(labels.len(), loud);
         let mut recording =

@@ -158,46 +158,35 @@ pub(super) mod tests {
 
     use super::*;
     use crate::catalogue::DataSet;
-    use crate::fixture::{C, R, labels};
+    use crate::fixture::{C, R, labels, muscle};
 
     /// Rest and closing in turn, 200 samples each; the muscle follows `late` samples later.
-    pub(crate) fn recording(late: usize, weak: bool) -> Recording {
+    pub(crate) fn recording(late: usize) -> Recording {
         let labels = labels(&[(R, 200), (C, 200)].repeat(5));
-        let samples = (0..labels.len())
-            .map(|at| {
-                let active = at >= late && (at - late) / 200 % 2 == 1;
-                let sign = if at % 2 == 0 { 1 } else { -1 };
-                [sign * if active && !weak { 40 } else { 3 }; CHANNELS]
-            })
-            .collect();
+        let loud = (200..2000).step_by(400);
+        let loud: Vec<_> = loud.map(|cue| cue + late..cue + 200 + late).collect();
+        let samples = muscle(labels.len(), &loud);
         Recording::new(DataSet::SYNTHETIC, "s", samples, labels)
     }
 
     #[test]
     fn a_constant_lag_is_found_to_within_the_smoothing() {
         for late in [0, 20, 70] {
-            let lag = estimate(&[&recording(late, false)]).unwrap();
-            assert!(
-                lag.lag_samples.abs_diff(late) <= SMOOTHING / 2,
-                "{late}: {lag:?}"
-            );
+            let lag = estimate(&[&recording(late)]).unwrap();
+            let is_near = lag.lag_samples.abs_diff(late) <= SMOOTHING / 2;
+            assert!(is_near, "{late}: {lag:?}");
             assert_eq!(lag.transitions, 9);
         }
     }
 
     #[test]
-    fn without_contrast_there_is_no_estimate() {
-        assert_eq!(estimate(&[&recording(20, true)]), None);
-        assert_eq!(estimate(&[]), None);
-    }
-
-    #[test]
-    fn muscle_onsets_have_no_lag_to_estimate() {
-        let onsets = Recording {
-            timing: Timing::Muscle,
-            ..recording(20, false)
-        };
-        assert_eq!(estimate(&[&onsets]), None);
+    fn without_contrast_or_with_onsets_of_the_muscle_there_is_no_estimate() {
+        let [mut quiet, mut onsets] = [(); 2].map(|()| recording(20));
+        quiet.samples.fill([3; CHANNELS]);
+        onsets.timing = Timing::Muscle;
+        for recordings in [&[&quiet][..], &[&onsets], &[]] {
+            assert_eq!(estimate(recordings), None);
+        }
     }
 
     #[test]

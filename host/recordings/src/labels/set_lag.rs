@@ -222,7 +222,7 @@ mod tests {
             data_set,
             subject: format!("{}/{person}", data_set.name()),
             timing,
-            ..crate::labels::lag::tests::recording(late, false)
+            ..crate::labels::lag::tests::recording(late)
         }
     }
 

@@ -193,6 +193,11 @@ mod tests {
     use crate::readers::open::SkipReason;
     use crate::{Movement, MovementKind};
 
+    fn ignored(path: &str, reason: SkipReason) -> Ignored {
+        let path = path.into();
+        Ignored { path, reason }
+    }
+
     fn library() -> Library {
         let sample = |at: usize| {
             let mut sample = [at as i8 % 7; CHANNELS];
@@ -209,16 +214,11 @@ mod tests {
                 other_movement: vec![Movement::new(MovementKind::Point, 700..750)],
                 ..Recording::new(DataSet::OWN, "own/s1", samples, labels)
             }],
-            ignored: [
-                ("LICENSE", SkipReason::Ending),
-                ("notes.txt", SkipReason::Layout),
-                ("README", SkipReason::Ending),
-            ]
-            .map(|(path, reason)| {
-                let path = path.into();
-                Ignored { path, reason }
-            })
-            .into(),
+            ignored: vec![
+                ignored("LICENSE", SkipReason::Ending),
+                ignored("notes.txt", SkipReason::Layout),
+                ignored("README", SkipReason::Ending),
+            ],
             ..Library::default()
         }
     }
@@ -248,11 +248,8 @@ mod tests {
         let findings = Inspection::new(&library).findings;
         let told: Vec<_> = findings.iter().map(|f| &*f.finding.what).collect();
         assert_eq!(told, ["channel 3 is silent", "known"]);
-        assert!(
-            findings
-                .iter()
-                .all(|own| own.which == ["own/s1/a", "own/s1/b"])
-        );
+        let both = ["own/s1/a", "own/s1/b"];
+        assert!(findings.iter().all(|own| own.which == both));
     }
 
     #[test]

@@ -1,5 +1,5 @@
 use super::*;
-use crate::fixture::{HEADER, array, counts, emg, folder, joined, names, read, rows};
+use crate::fixture::{HEADER, array, cells, counts, emg, folder, joined, names, read, rows};
 
 #[test]
 fn a_damaged_file_is_listed_or_stops_a_strict_load() {
@@ -132,10 +132,9 @@ fn links_to_nothing_and_to_a_device_are_listed_and_stop_nothing() {
     assert_eq!(library.recordings.len(), 1);
     let skipped = library.skipped.iter().map(ToString::to_string);
     let skipped = skipped.collect::<Vec<_>>().join("\n");
-    assert!(
-        skipped.contains("s1_gone.csv") && skipped.contains("s1_z.csv"),
-        "{skipped}"
-    );
+    for name in ["s1_gone.csv", "s1_z.csv"] {
+        assert!(skipped.contains(name), "{skipped}");
+    }
 }
 
 #[test]
@@ -160,15 +159,12 @@ fn no_two_recordings_have_names_that_are_one_file_s() {
             .map(|c| format!("emg_{c}"))
             .join("\", \"")
     );
-    for (files, expected) in [
-        ("a/x.csv a/x.txt", "a/x.csv a/x.txt"),
-        ("a/X.csv a/x.csv", "a/X.csv a/x.csv-2"),
-        ("a/x.csv a/x.csv.txt a/x.txt", "a/x.csv a/x.csv-2 a/x.txt"),
-        (
-            "anna/emg.1 anna/emg.2 bob/emg.1 recordings.toml",
-            "anna/emg.1 anna/emg.2 bob/emg",
-        ),
-    ] {
+    for [files, expected] in cells(
+        "a/x.csv a/x.txt | a/x.csv a/x.txt
+        a/X.csv a/x.csv | a/X.csv a/x.csv-2
+        a/x.csv a/x.csv.txt a/x.txt | a/x.csv a/x.csv-2 a/x.txt
+        anna/emg.1 anna/emg.2 bob/emg.1 recordings.toml | anna/emg.1 anna/emg.2 bob/emg",
+    ) {
         // Each with samples of its own.
         let text = |(person, file)| match file {
             FILE_NAME => (file, described.clone()),
@@ -203,33 +199,25 @@ fn endings_in_capitals_are_read_as_small_ones() {
     let description = "files = \"{person}/{trial}_emg.Npy\"\nlabel_files = \"{person}/{trial}_ann.npy\"\nrate = 200\n\
                        labels = { open = [5] }\n";
     let own = own(1);
-    type Files<'f> = &'f [(&'f str, &'f [u8])];
-    let files: [(&str, Files<'_>); 4] = [
-        ("own/anna/anna_1", &[("anna/anna_1.CSV", own.as_bytes())]),
-        (
-            "myoup/s3/e2",
-            &[("s3/e2_emg.NPY", &array), ("s3/e2_ann.Npy", &words)],
-        ),
-        (
-            "own/bob/R_0_C_1",
-            &[
-                ("bob/R_0_C_1.Csv", rows.as_bytes()),
-                ("bob/metadata.JSON", metadata.as_bytes()),
-            ],
-        ),
-        (
-            "own/eva/1_emg",
-            &[
-                ("eva/1_emg.NPY", &array),
-                ("eva/1_ann.NPY", &words),
-                (FILE_NAME, description.as_bytes()),
-            ],
-        ),
-    ];
-    for (name, files) in files {
+    let is_read = |name: &str, files: &[(&str, &[u8])]| {
         let library = read(files);
         assert!(library.skipped.is_empty(), "{:?}", library.skipped);
         assert_eq!(names(&library), [name]);
         assert!(library.recordings[0].has_labels(), "{name}");
-    }
+    };
+    let own: [(&str, &[u8]); 1] = [("anna/anna_1.CSV", own.as_bytes())];
+    is_read("own/anna/anna_1", &own);
+    let published: [(&str, &[u8]); 2] = [("s3/e2_emg.NPY", &array), ("s3/e2_ann.Npy", &words)];
+    is_read("myoup/s3/e2", &published);
+    let libemg = [
+        ("bob/R_0_C_1.Csv", rows.as_bytes()),
+        ("bob/metadata.JSON", metadata.as_bytes()),
+    ];
+    is_read("own/bob/R_0_C_1", &libemg);
+    let described: [(&str, &[u8]); 3] = [
+        ("eva/1_emg.NPY", &array),
+        ("eva/1_ann.NPY", &words),
+        (FILE_NAME, description.as_bytes()),
+    ];
+    is_read("own/eva/1_emg", &described);
 }

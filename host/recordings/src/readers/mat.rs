@@ -200,10 +200,8 @@ mod tests {
         assert_eq!(found[0].values, Values::Numbers(rows.into()));
         let pulse = [0.0, 100.0, -128.0];
         assert_eq!(found[1].values, Values::Numbers(pulse.into()));
-        assert_eq!(
-            (found[0].byte_of_row(1), &found[0].shape[..]),
-            (128, &[2, 3][..])
-        );
+        assert_eq!(found[0].byte_of_row(1), 128);
+        assert_eq!(found[0].shape, [2, 3]);
         assert_eq!(found[2].values, found[0].values);
     }
 

@@ -187,13 +187,8 @@ mod tests {
     #[test]
     fn a_fold_of_sets_holds_out_a_whole_set() {
         let mut all = recordings(1, 2);
-        let unseen = [
-            DataSet::named("uci-gestures"),
-            DataSet::named("ciil"),
-            DataSet::named("adl"),
-            DataSet::named("psl"),
-        ];
-        all.extend(unseen.into_iter().flat_map(|set| people(set, 0..1)));
+        let unseen = ["uci-gestures", "ciil", "adl", "psl"].into_iter();
+        all.extend(unseen.flat_map(|set| people(DataSet::named(set), 0..1)));
         let groups = Protocol::LeaveSetsOut.groups(&all, 42);
         let expected = [
             vec!["roshambo/0", "adl/0"],

@@ -37,15 +37,8 @@ fn spliced(recordings: &[Recording], samples: usize, other: bool) -> Vec<Recordi
 
 /// Rock, rest, paper, rest, scissor, rest.
 fn roshambo() -> Recording {
-    let round = [
-        (C, 400),
-        (R, 200),
-        (O, 400),
-        (R, 200),
-        (None, 400),
-        (R, 200),
-    ];
-    recording("a", &round.repeat(3))
+    let round = [C, O, None].map(|label| [(label, 400), (R, 200)]);
+    recording("a", &round.concat().repeat(3))
 }
 
 #[test]
@@ -101,11 +94,7 @@ fn steady_holds_are_joined_with_and_without_rest_between() {
     let spliced = spliced(&holds, 100_000, false);
     let found = runs(&spliced[0].labels);
     let pairs: BTreeSet<_> = found.windows(2).map(|p| (p[0].label, p[1].label)).collect();
-    assert_eq!(
-        pairs.len(),
-        6,
-        "rest, open and close all follow one another"
-    );
+    assert_eq!(pairs.len(), 6, "all three follow one another");
     let whole = &found[1..found.len() - 1];
     assert!(whole.iter().all(|run| HOLD.contains(&run.samples())));
     assert_eq!(spliced[0].samples.len(), 100_000);

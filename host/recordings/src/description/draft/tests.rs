@@ -1,5 +1,5 @@
 use super::*;
-use crate::fixture::{HEADER, folder};
+use crate::fixture::{HEADER, cells, folder};
 
 /// Text of the draft of a folder with these files.
 fn written(files: &[(&str, String)]) -> Result<String, LoadError> {
@@ -71,16 +71,12 @@ fn names_numbers_and_words_tell_the_columns() {
 
 #[test]
 fn what_is_the_same_in_all_paths_is_text_and_the_outermost_folder_is_the_person() {
-    for (one, other, pattern) in [
-        ("p1/open_1.csv", "p2/fist_2.csv", "{person}/{any}.csv"),
-        (
-            "p1/m/x_a.CSV",
-            "p2/n/y_a.csv",
-            "{person}/{session}/{any}_a.csv",
-        ),
-        ("all/a_1_emg.csv", "all/a_02_emg.csv", "all/a_{any}_emg.csv"),
-        ("a_emg.csv", "a_b_emg.csv", "{any}.csv"),
-    ] {
+    for [one, other, pattern] in cells(
+        "p1/open_1.csv | p2/fist_2.csv | {person}/{any}.csv
+        p1/m/x_a.CSV | p2/n/y_a.csv | {person}/{session}/{any}_a.csv
+        all/a_1_emg.csv | all/a_02_emg.csv | all/a_{any}_emg.csv
+        a_emg.csv | a_b_emg.csv | {any}.csv",
+    ) {
         let text = written(&[(one, plain()), (other, plain())]).unwrap();
         let expected = format!("files = \"{pattern}\"");
         assert!(fields(&text).contains(&&*expected), "{text}");

@@ -95,12 +95,9 @@ fn faults_of_a_file_name_line_and_column() {
     ] {
         told(labelled, with(row), &format!("line 151: expected {words}"));
     }
+    let tenth = "number 10 of the description, found 9 columns";
     for (text, bytes, words) in [
-        (
-            &ninth("10"),
-            good(),
-            "number 10 of the description, found 9 columns",
-        ),
+        (&ninth("10"), good(), tenth),
         (&ninth("\"gt\""), good(), "column \"gt\""),
         (scaled, good(), "whole multiples of 1000"),
         (plain, Vec::new(), "expected one row per sample"),
@@ -123,10 +120,8 @@ fn what_is_named_otherwise_is_not_read_and_told() {
     let library = described(text, &files).unwrap();
     assert_eq!(library.recordings.len(), 1);
     let skipped = library.skipped[0].line();
-    assert!(
-        skipped.contains("found \"fist\": add it to one of the lists"),
-        "{skipped}"
-    );
+    let words = "found \"fist\": add it to one of the lists";
+    assert!(skipped.contains(words), "{skipped}");
     let ignored: Vec<_> = library.ignored.iter().map(|own| own.reason).collect();
     assert_eq!(ignored, [SkipReason::Pattern]);
     let told = library.people.concat();

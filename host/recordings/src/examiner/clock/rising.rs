@@ -120,39 +120,35 @@ pub(super) fn period(times: &[f64]) -> Option<f64> {
 mod tests {
     use super::*;
 
-    type Value<'v> = &'v dyn Fn(usize) -> f64;
-
     #[test]
     fn what_rises_evenly_is_told_from_labels_and_muscle_activity() {
         let muscle = |row: usize| ((row * 37 + row / 7) % 29) as f64 - 14.0;
-        let kinds: [(&str, bool, Value<'_>); 13] = [
-            ("seconds", true, &|row| row as f64 * 0.005),
-            ("milliseconds, rounded", true, &|row| {
-                (row as f64 * 5.05).round()
-            }),
-            ("nanoseconds", true, &|row| 1.7e18 + row as f64 * 5e6),
-            ("arrivals in twos", true, &|row| {
-                (row / 2 * 10 + row / 2 * 31 % 8) as f64
-            }),
-            ("a gap", true, &|row| {
-                row as f64 + if row > 500 { 3000.0 } else { 0.0 }
-            }),
-            ("a counter of a hundred", true, &|row| (row % 100) as f64),
-            ("from one on", true, &|row| (row % 50 + 1) as f64),
-            ("a signed byte", true, &|row| {
-                (row as u8).cast_signed().into()
-            }),
-            ("seconds within a second", true, &|row| {
-                (row % 200) as f64 * 0.005
-            }),
-            ("sorted labels", false, &|row| (row / 100) as f64),
-            ("a ramp and back", false, &|row| (500.0 - row as f64).abs()),
-            ("muscle activity", false, &muscle),
-            ("nothing", false, &|_| 7.0),
-        ];
-        for (name, is_clock, value) in kinds {
+        let rises = |expected: bool, name: &str, value: &dyn Fn(usize) -> f64| {
             let values: Vec<f64> = (0..1000).map(value).collect();
-            assert_eq!(rises_evenly(&values), is_clock, "{name}");
-        }
+            assert_eq!(rises_evenly(&values), expected, "{name}");
+        };
+        rises(true, "seconds", &|row| row as f64 * 0.005);
+        rises(true, "milliseconds, rounded", &|row| {
+            (row as f64 * 5.05).round()
+        });
+        rises(true, "nanoseconds", &|row| 1.7e18 + row as f64 * 5e6);
+        rises(true, "arrivals in twos", &|row| {
+            (row / 2 * 10 + row / 2 * 31 % 8) as f64
+        });
+        rises(true, "a gap", &|row| {
+            (row + if row > 500 { 3000 } else { 0 }) as f64
+        });
+        rises(true, "a counter of a hundred", &|row| (row % 100) as f64);
+        rises(true, "from one on", &|row| (row % 50 + 1) as f64);
+        rises(true, "a signed byte", &|row| {
+            (row as u8).cast_signed().into()
+        });
+        rises(true, "seconds within a second", &|row| {
+            (row % 200) as f64 * 0.005
+        });
+        rises(false, "sorted labels", &|row| (row / 100) as f64);
+        rises(false, "a ramp and back", &|row| (500.0 - row as f64).abs());
+        rises(false, "muscle activity", &muscle);
+        rises(false, "nothing", &|_| 7.0);
     }
 }

@@ -17,10 +17,8 @@ fn equal_samples_count_once_whatever_their_folder() {
         let found = (library.recordings.len(), library.repeats.len());
         assert_eq!(found, (1, 1), "{copy}");
         let kept = &library.recordings[0].path;
-        assert!(
-            copy == "anna/anna_0.csv" || kept.ends_with("anna/anna_1.csv"),
-            "{copy}"
-        );
+        let is_first = copy == "anna/anna_0.csv" || kept.ends_with("anna/anna_1.csv");
+        assert!(is_first, "{copy}");
     }
     let other_labels = both("anna/anna_2.csv", &relabelled);
     assert!(first(&other_labels).contains("other labels"));

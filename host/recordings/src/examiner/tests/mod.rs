@@ -29,12 +29,8 @@ fn first(library: &Library) -> String {
 /// Asserts that a table is refused in these words.
 fn refused(text: &str, words: &str) {
     let library = one(text);
-    assert!(
-        library.recordings.is_empty(),
-        "{words}: {:?}",
-        kinds(&library)
-    );
-    let told = library.skipped[0].to_string();
+    let told = library.skipped.first().map(ToString::to_string);
+    let told = told.unwrap_or_else(|| format!("taken, with {:?}", kinds(&library)));
     assert!(told.contains(words), "{words}: {told}");
 }
 

@@ -12,20 +12,17 @@ use crate::recording::movement::{Movement, MovementKind};
 fn a_clock_of_200_hz_is_taken_with_jitter_bursts_and_in_whole_seconds() {
     let text = counts(&emg(3000, 1));
     let ms = |row: usize| row as f64 * 5.0;
-    let clocks: [(&str, &dyn Fn(usize) -> String); 4] = [
-        ("time", &|row| {
-            format!("{:.0}", 1.7e12 + ms(row) + (row * 7 % 13) as f64)
-        }),
-        // Two samples arrive together, up to 40 ms late.
-        ("timestamp", &|row| {
-            (ms(row / 2 * 2) + (row / 2 * 31 % 40) as f64).to_string()
-        }),
-        ("unix", &|row| (1_444_331_136 + row / 200).to_string()),
-        ("counter", &|row| (row % 256).to_string()),
-    ];
-    for (name, clock) in clocks {
-        taken(&with_column(&text, name, clock), 1, &[]);
-    }
+    let with = |name, clock: &dyn Fn(usize) -> f64| {
+        let timed = with_column(&text, name, |row| format!("{:.0}", clock(row)));
+        taken(&timed, 1, &[]);
+    };
+    with("time", &|row| 1.7e12 + ms(row) + (row * 7 % 13) as f64);
+    // Two samples arrive together, up to 40 ms late.
+    with("timestamp", &|row| {
+        ms(row / 2 * 2) + (row / 2 * 31 % 40) as f64
+    });
+    with("unix", &|row| (1_444_331_136 + row / 200) as f64);
+    with("counter", &|row| (row % 256) as f64);
 }
 
 #[test]
@@ -67,11 +64,8 @@ fn a_clock_is_read_in_every_unit_and_known_by_its_values_whatever_its_name() {
         |row| row * row,
         |row| row * 7919 % 1000,
     ] {
-        taken(
-            &with_column(&text, "x", |row| value(row).to_string()),
-            1,
-            &[],
-        );
+        let column = |row| value(row).to_string();
+        taken(&with_column(&text, "x", column), 1, &[]);
     }
     // A name that says time does not hide the clock beside it.
     let dated = with_column(&text, "date", |_| "2024-02-29".into());
@@ -83,11 +77,8 @@ fn a_clock_is_read_in_every_unit_and_known_by_its_values_whatever_its_name() {
 fn a_clock_that_says_nothing_is_told() {
     let text = counts(&emg(3000, 1));
     for value in ["7", "noon"] {
-        taken(
-            &with_column(&text, "time", |_| value.into()),
-            1,
-            &["clock-unclear"],
-        );
+        let timed = with_column(&text, "time", |_| value.into());
+        taken(&timed, 1, &["clock-unclear"]);
     }
 }
 
@@ -166,13 +157,8 @@ fn every_second_sample_without_a_clock_and_a_standstill_are_told() {
     let samples = emg(12_000, 1);
     let half: Vec<Sample> = samples.iter().step_by(2).copied().collect();
     taken(&counts(&half), 1, &["unrelated-samples"]);
-    let still = each(&samples, |at, sample| {
-        if (3000..4000).contains(&at) {
-            samples[3000]
-        } else {
-            sample
-        }
-    });
+    let mut still = samples.clone();
+    still[3000..4000].fill(samples[3000]);
     assert!(first(&one(&counts(&still))).contains("5.0 s from row 3001"));
 }
 

@@ -1,14 +1,16 @@
 use super::*;
 
+/// A recording at a path below `/d`.
+fn at(path: &str) -> Recording {
+    Recording {
+        path: Path::new("/d").join(path),
+        ..Recording::new(DataSet::OWN, "", vec![[1; 8]], vec![None])
+    }
+}
+
 /// People of these paths below `/d`, and the sentences on the choices.
 fn who(paths: &[&str]) -> (Vec<String>, Vec<String>) {
-    let mut recordings: Vec<Recording> = paths
-        .iter()
-        .map(|path| Recording {
-            path: Path::new("/d").join(path),
-            ..Recording::new(DataSet::OWN, "", vec![[1; 8]], vec![None])
-        })
-        .collect();
+    let mut recordings: Vec<Recording> = paths.iter().map(|path| at(path)).collect();
     let told = by_folder(Path::new("/d"), &mut recordings, &|_| false);
     let named = recordings.iter().map(Recording::full_name);
     (named.collect(), told)
@@ -51,22 +53,11 @@ fn sessions_belong_to_the_folder_above_wherever_they_stand() {
 }
 
 #[test]
-fn what_lies_below_a_persons_recordings_is_theirs() {
-    named(
-        "anna/1.csv anna/kitchen/1.csv bob/1.csv",
-        "anna/1 anna/kitchen/1 bob/1",
-    );
-}
-
-#[test]
 fn a_folder_whose_sessions_are_named_after_it_is_a_person_whatever_its_name() {
     let [test, anna] = ["test", "anna"].map(|own| format!("{own}/{own}_20261128T084900Z_quick_1"));
     named(&format!("{test}.csv {anna}.csv"), &format!("{test} {anna}"));
     // The folder of one person alone.
-    let mut recordings = [Recording {
-        path: Path::new("/d").join(&test),
-        ..Recording::new(DataSet::OWN, "", vec![[1; 8]], vec![None])
-    }];
+    let mut recordings = [at(&test)];
     by_folder(Path::new("/d/test"), &mut recordings, &|_| false);
     assert_eq!(recordings[0].subject, "own/test");
 }
@@ -81,5 +72,10 @@ fn loose_files_are_of_the_folders_name_which_is_nobody_elses() {
     named(
         "anna/monday/1.csv anna/tuesday/1.csv",
         "anna/monday/1 anna/tuesday/1",
+    );
+    // What lies below a person's recordings is theirs.
+    named(
+        "anna/1.csv anna/home/1.csv bob/1.csv",
+        "anna/1 anna/home/1 bob/1",
     );
 }

@@ -36,10 +36,8 @@ fn other_sets_draw_by_the_seed_and_do_not_depend_on_one_another() {
     let own = people(DataSet::OWN, OWN);
     let with = |seed| assign(&own, &shares(seed)).unwrap();
     let split = with(1);
-    assert_eq!(
-        [&split.held_out, &split.validation, &split.training].map(Vec::len),
-        [2, 1, 3]
-    );
+    let roles = [&split.held_out, &split.validation, &split.training];
+    assert_eq!(roles.map(Vec::len), [2, 1, 3]);
     let draws: BTreeSet<_> = (0..20).map(|seed| with(seed).held_out).collect();
     assert!(draws.len() > 5);
     let both = [own.clone(), people(DataSet::SYNTHETIC, OWN)].concat();

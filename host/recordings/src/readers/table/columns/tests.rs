@@ -10,9 +10,8 @@ fn found(header: &str) -> String {
 
 /// Eight names, numbered from `first` on.
 fn eight(name: &str, first: usize, separator: &str) -> String {
-    let names: Vec<String> = (first..first + 8)
-        .map(|number| format!("{name}{number}"))
-        .collect();
+    let numbers: [usize; 8] = std::array::from_fn(|at| first + at);
+    let names = numbers.map(|number| format!("{name}{number}"));
     names.join(separator)
 }
 
@@ -31,11 +30,8 @@ fn channels_are_eight_numbered_columns_of_one_name() {
         assert_eq!(found.channels, [0, 1, 2, 3, 4, 5, 6, 7], "{name}");
         assert_eq!((found.label, found.first_line), (None, 2));
     }
-    let backwards = "emg_7,emg_6,emg_5,emg_4,emg_3,emg_2,emg_1,emg_0";
-    assert_eq!(
-        columns(backwards).unwrap().channels,
-        [7, 6, 5, 4, 3, 2, 1, 0]
-    );
+    let backwards = columns("emg_7,emg_6,emg_5,emg_4,emg_3,emg_2,emg_1,emg_0").unwrap();
+    assert_eq!(backwards.channels, [7, 6, 5, 4, 3, 2, 1, 0]);
     for name in ["Ch% [uV]", "\"emg.%\""] {
         let names = (1..=8).map(|number| name.replace('%', &number.to_string()));
         let header = names.collect::<Vec<_>>().join(",");
@@ -102,12 +98,8 @@ fn columns_called_by_number_are_told_from_samples() {
     let first = |head: &str| Columns::of(&format!("{head}\n{rows}")).unwrap().first_line;
     assert_eq!(first("0,1,2,3,4,5,6,7"), 2);
     assert_eq!(first("1,2,3,4,5,6,7,9"), 1);
-    assert_eq!(
-        Columns::of(&"1,2,3,4,5,6,7,8\n".repeat(30))
-            .unwrap()
-            .first_line,
-        1
-    );
+    let equal = Columns::of(&"1,2,3,4,5,6,7,8\n".repeat(30)).unwrap();
+    assert_eq!(equal.first_line, 1);
     // One damaged value makes no header.
     assert_eq!(first("1,x,3,4,5,6,7,8"), 1);
 }
