@@ -3,17 +3,17 @@
 use crate::student::model::Student;
 use crate::teacher::model::Teacher;
 use burn::tensor::Device;
+use shared::intent::Vocabulary;
 use shared::model::LookBackLogits;
-use shared::model::dimensions::{Dimensions, usual_span};
+use shared::model::dimensions::{Companding, Dimensions};
 use shared::model::file::Model;
-use shared::model::file::random::{SMALL, random_model};
+use shared::model::file::random::random_model;
 use shared::units::{CHANNELS, CleanSample, PATCH};
 
 use super::{student_logits, teacher_logits};
 use crate::student::model::StudentConfig;
 use crate::teacher::model::TeacherConfig;
 use evaluation::inference::integer_logits;
-use shared::model::dimensions::Companding;
 
 /// Samples of the recording; not a multiple of a patch.
 const SAMPLES: usize = 345;
@@ -84,12 +84,7 @@ fn logits_of_the_float_student_do_not_change_with_later_samples() {
 
 #[test]
 fn logits_of_the_integer_student_do_not_change_with_later_samples() {
-    let dimensions = Dimensions {
-        width: 64,
-        layers: 2,
-        span: usual_span(2),
-        ..SMALL
-    };
+    let dimensions = Dimensions::new(Vocabulary::Three, 64, 2, 27);
     let bytes = random_model(dimensions, 5).to_bytes().unwrap();
     let model = Model::parse(&bytes).unwrap();
     is_causal(|emg| integer_logits(&model, emg).unwrap());

@@ -209,17 +209,12 @@ mod tests {
             f64::from(equal) / f64::from(all)
         };
         let pairs = |distance: usize| a.iter().copied().zip(a[distance..].iter().copied());
+        let next_use = &mut a.iter().copied().zip(b.iter().copied());
         for (what, share) in [
             ("the next column", agreement(&mut pairs(1))),
             ("the next row", agreement(&mut pairs(dims[1]))),
-            (
-                "the same column two rows on",
-                agreement(&mut pairs(2 * dims[1])),
-            ),
-            (
-                "the next use",
-                agreement(&mut a.iter().copied().zip(b.iter().copied())),
-            ),
+            ("two rows on", agreement(&mut pairs(2 * dims[1]))),
+            ("the next use", agreement(next_use)),
         ] {
             // Five standard errors of a share of 200 000 coins: 0.0056.
             assert!((share - 0.5).abs() < 0.0056, "{what}: {share}");
@@ -235,18 +230,14 @@ mod tests {
             mask.row(at).zero(&mut row);
             assert_eq!(row, expected);
         }
-        assert_eq!(
-            mask.starting_at(1).starting_at(1).factors([4, 17]),
-            whole[2 * 17..]
-        );
+        let later = mask.starting_at(1).starting_at(1);
+        assert_eq!(later.factors([4, 17]), whole[2 * 17..]);
     }
 
     #[test]
     fn without_dropout_nothing_changes() {
         let x = Tensor::<1>::ones([8], &Device::default());
-        assert_eq!(
-            crate::optimization::read_back(Dropout::off().drop(x, 0.9)),
-            [1.0; 8]
-        );
+        let dropped = Dropout::off().drop(x, 0.9);
+        assert_eq!(crate::optimization::read_back(dropped), [1.0; 8]);
     }
 }

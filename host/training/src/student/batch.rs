@@ -226,13 +226,10 @@ mod tests {
         assert_eq!(batch.labelled, f64::from(expected));
         let mask = read_back(batch.label_mask);
         assert_eq!(mask.iter().sum::<f32>(), expected as f32);
-        let second = 70 * LOOK_BACK;
-        assert!(
-            mask[second..second + 3 * LOOK_BACK]
-                .iter()
-                .all(|&m| m == 0.0)
-        );
-        assert!(mask[second + 18 * LOOK_BACK..].iter().all(|&m| m == 0.0));
+        let second = &mask[70 * LOOK_BACK..];
+        let is_masked = |part: &[f32]| part.iter().all(|&own| own == 0.0);
+        assert!(is_masked(&second[..3 * LOOK_BACK]));
+        assert!(is_masked(&second[18 * LOOK_BACK..]));
     }
 
     #[test]
@@ -240,10 +237,8 @@ mod tests {
         let device = Device::default();
         let batch = Batch::new(&sequence(), &[excerpt(62)], SHAPE, &device);
         assert_eq!(batch.distilled, batch.labelled);
-        assert_eq!(
-            read_back(batch.distillation_mask),
-            read_back(batch.label_mask.clone())
-        );
+        let masks = [batch.distillation_mask, batch.label_mask].map(read_back);
+        assert_eq!(masks[0], masks[1]);
         let logits = read_back(batch.soft_targets.unwrap());
         for patch in 3..18 {
             for back in 0..LOOK_BACK {

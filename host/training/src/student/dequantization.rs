@@ -68,29 +68,23 @@ fn parameter<const D: usize>(
 
 #[cfg(test)]
 mod tests {
+    use shared::intent::Vocabulary;
     use shared::model::dimensions::Dimensions;
     use shared::model::file::Model;
-    use shared::model::file::random::{SMALL, random_model};
+    use shared::model::file::random::random_model;
     use shared::units::CHANNELS;
 
     use super::*;
     use crate::inference::student_logits;
     use evaluation::inference::integer_logits;
 
-    fn parts() -> ModelParts {
-        let dimensions = Dimensions {
-            width: 32,
-            layers: 2,
-            span: 11,
-            other: true,
-            ..SMALL
-        };
-        random_model(dimensions, 3)
-    }
-
     #[test]
     fn the_float_student_computes_what_the_file_does() {
-        let parts = parts();
+        let dimensions = Dimensions {
+            other: true,
+            ..Dimensions::new(Vocabulary::Three, 32, 2, 11)
+        };
+        let parts = random_model(dimensions, 3);
         let device = Device::default();
         let (student, _) = dequantize(&parts, &device);
         let file = parts.to_bytes().unwrap();
@@ -100,10 +94,9 @@ mod tests {
         let float = student_logits(&student, &emg, &device);
         let integer = integer_logits(&Model::parse(&file).unwrap(), &emg).unwrap();
         assert_eq!(float.len(), integer.len());
-        for (float, integer) in float.iter().flatten().zip(integer.iter().flatten()) {
-            for (float, integer) in float.iter().zip(integer) {
-                assert!((float - integer).abs() < 0.02, "{float} {integer}");
-            }
+        let integer = integer.as_flattened().as_flattened();
+        for (float, integer) in float.as_flattened().as_flattened().iter().zip(integer) {
+            assert!((float - integer).abs() < 0.02, "{float} {integer}");
         }
     }
 }

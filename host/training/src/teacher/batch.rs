@@ -150,16 +150,12 @@ mod tests {
         let device = Device::default();
         let batch = Batch::new(&corpus, &examples, shape, None, &mut rng, &device);
         assert!(batch.emg_cells > 0);
-        assert_eq!(
-            read_back(batch.input.blocked.unwrap()),
-            [1.0, 1.0, 0.0, 0.0]
-        );
+        let blocked = read_back(batch.input.blocked.unwrap());
+        assert_eq!(blocked, [1.0, 1.0, 0.0, 0.0]);
         let weights = read_back(batch.intent_weight);
         assert!(weights[..1200].iter().all(|&weight| weight == 0.0));
-        assert_eq!(
-            batch.intent_samples,
-            weights[1200..].iter().filter(|&&w| w > 0.0).count()
-        );
+        let trained = weights[1200..].iter().filter(|&&weight| weight > 0.0);
+        assert_eq!(batch.intent_samples, trained.count());
     }
 
     #[test]

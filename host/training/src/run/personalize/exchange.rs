@@ -155,25 +155,18 @@ mod tests {
 
     #[test]
     fn a_model_that_understands_a_person_badly_has_nothing_exchanged() {
-        // Cases: always relax; one gesture for both.
-        assert_eq!(
-            found(&[&[100, 0, 0, 0], &[100, 0, 0, 0], &[100, 0, 0, 0]]),
-            None
-        );
-        assert_eq!(
-            found(&[&[90, 0, 10, 0], &[5, 0, 95, 0], &[5, 0, 95, 0]]),
-            None
-        );
-        assert_eq!(
-            found(&[&[98, 1, 1, 0], &[1, 98, 1, 0], &[1, 1, 98, 0]]),
-            None
-        );
-        // A class that is never labelled is exchanged with none.
-        assert_eq!(
-            found(&[&[98, 1, 1, 0], &[0, 0, 0, 0], &[1, 90, 9, 0]]),
-            None
-        );
-        assert_eq!(found(&[&[0; 4], &[0; 4], &[0; 4]]), None);
+        for (case, [relax, open, close]) in [
+            ("always relax", [[100, 0, 0, 0]; 3]),
+            (
+                "one gesture for both",
+                [[90, 0, 10, 0], [5, 0, 95, 0], [5, 0, 95, 0]],
+            ),
+            ("all right", [[98, 1, 1, 0], [1, 98, 1, 0], [1, 1, 98, 0]]),
+            ("one never labelled", [[98, 1, 1, 0], [0; 4], [1, 90, 9, 0]]),
+            ("nothing labelled", [[0; 4]; 3]),
+        ] {
+            assert_eq!(found(&[&relax, &open, &close]), None, "{case}");
+        }
     }
 
     #[test]

@@ -145,8 +145,6 @@ fn more_raised(old: &Score, new: &Score) -> Option<Worse> {
 
 #[cfg(test)]
 mod tests {
-    use std::collections::BTreeMap;
-
     use super::*;
     use evaluation::metric::summary::SubjectScore;
 
@@ -181,24 +179,19 @@ mod tests {
                 transition_accuracy,
                 ..SubjectScore::default()
             };
-            let raised = self.raised.map(|raised| {
-                let of = Tally {
-                    all: 20,
-                    counted: raised,
-                };
+            let raised = self.raised.map(|counted| {
+                let of = Tally { all: 20, counted };
                 ("other".to_owned(), of)
             });
+            let in_a_minute = |count| Rate {
+                count,
+                seconds: 60.0,
+            };
             let events = SubjectEvents {
                 recognition,
-                rest: Rate {
-                    count: self.rest,
-                    seconds: 60.0,
-                },
-                other_movement: Rate {
-                    count: self.others,
-                    seconds: 60.0,
-                },
-                raised: raised.into_iter().collect::<BTreeMap<_, _>>(),
+                rest: in_a_minute(self.rest),
+                other_movement: in_a_minute(self.others),
+                raised: raised.into_iter().collect(),
                 ..SubjectEvents::new("x/1", [])
             };
             Score::of_people(vec![subject], vec![events])
@@ -220,9 +213,10 @@ mod tests {
         for fallen in 0..3 {
             let mut new = [0.9; 3].map(Some);
             new[fallen] = old[fallen].map(|value| value - 0.01);
+            let why = against_old(new);
             assert!(
-                matches!(against_old(new), Some(Worse::Lower { .. })),
-                "{fallen}"
+                matches!(why, Some(Worse::Lower { .. })),
+                "{fallen}: {why:?}"
             );
             new[fallen] = None;
             assert!(against_old(new).is_some(), "{fallen}");
@@ -256,27 +250,21 @@ mod tests {
             ..Scored::of([0.8, 0.5, 0.6].map(Some))
         };
         assert_eq!(found(&with(0, None), &with(2, None)), None);
-        let rest = found(&with(0, None), &with(3, None));
-        assert_eq!(
-            rest,
-            Some(Worse::Rest {
-                old: 0.0,
-                new: 3.0,
-                allowed: 2.0
-            })
-        );
+        let (old, new, allowed) = (0.0, 3.0, 2.0);
+        let rest = Some(Worse::Rest { old, new, allowed });
+        assert_eq!(found(&with(0, None), &with(3, None)), rest);
         assert_eq!(found(&with(3, None), &with(0, None)), None);
         assert_eq!(found(&with(0, Some(8)), &with(0, Some(10))), None);
         let other = found(&with(0, Some(8)), &with(0, Some(11)));
-        let (movements, old, new) = (20, 8, 11);
-        assert_eq!(
+        let is_told = matches!(
             other,
             Some(Worse::Other {
-                movements,
-                old,
-                new
+                movements: 20,
+                old: 8,
+                new: 11
             })
         );
+        assert!(is_told, "{other:?}");
         assert_eq!(found(&with(0, Some(20)), &with(0, Some(0))), None);
     }
 

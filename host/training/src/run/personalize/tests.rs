@@ -96,6 +96,7 @@ fn a_single_recording_is_cut_with_a_window_between_the_parts() {
     };
     assert_eq!(cut, 9 * 1600 * 2 / 3);
     assert_eq!(labelled(&judged), [(cut + WINDOW, 9 * 1600)]);
+    assert_eq!(person.whole().divisions().unwrap().len(), 1);
 }
 
 #[test]
@@ -109,11 +110,8 @@ fn recordings_of_one_gesture_are_divided_gesture_by_gesture() {
     assert_eq!(labelled(&judged), [(0, 6400), (cut + WINDOW, 6400)]);
     // Both gestures get the same time, as far as there is.
     assert_eq!(labelled(&tuned.first(20.0)), [(0, 2000), (0, 2000)]);
-    let most = (cut + 6400 + 600) as f64 / 200.0;
-    assert_eq!(
-        labelled(&tuned.first(most)),
-        [(0, 6400), (0, 600), (0, cut)]
-    );
+    let most = tuned.first((cut + 6400 + 600) as f64 / 200.0);
+    assert_eq!(labelled(&most), [(0, 6400), (0, 600), (0, cut)]);
 }
 
 #[test]
@@ -121,23 +119,12 @@ fn what_is_too_short_for_a_third_is_divided_into_quarters_each_held_back_once() 
     let library = library([turns(5)]);
     let person = person(&library, None).unwrap();
     let folds = person.whole().divisions().unwrap();
-    let judged: Vec<_> = folds
-        .iter()
-        .flat_map(|(_, judged)| labelled(judged))
-        .collect();
+    let judged = folds.iter().flat_map(|(_, judged)| labelled(judged));
     // Cuts are in the middle of rests, and nothing is left out.
-    assert_eq!(
-        judged,
-        [(0, 1800), (1800, 4200), (4200, 5800), (5800, 8000)]
-    );
+    let quarters = [(0, 1800), (1800, 4200), (4200, 5800), (5800, 8000)];
+    assert_eq!(judged.collect::<Vec<_>>(), quarters);
     let tuned: f64 = folds.iter().map(|(tuned, _)| tuned.seconds()).sum();
     assert_eq!(tuned, (3.0 * 8000.0 - 6.0 * WINDOW as f64) / 200.0);
-    let long = person_of(turns(9));
-    assert_eq!(long.whole().divisions().unwrap().len(), 1);
-}
-
-fn person_of(recording: Recording) -> PersonRecordings {
-    person(&library([recording]), None).unwrap()
 }
 
 #[test]
@@ -161,14 +148,10 @@ fn what_cannot_teach_is_refused_by_name() {
     let unlabelled = refused(vec![recording(&[(None, 900)])], None);
     assert!(matches!(unlabelled, PersonalizeError::NoLabels { .. }));
     let rest_and_open = recording(&[(R, 400), (O, 400)].repeat(9));
-    let missing = refused(vec![rest_and_open], None);
-    assert!(matches!(
-        missing,
-        PersonalizeError::MissingClass {
-            missing: "close",
-            ..
-        }
-    ));
+    let PersonalizeError::MissingClass { missing, .. } = refused(vec![rest_and_open], None) else {
+        panic!("expected a missing class");
+    };
+    assert_eq!(missing, "close");
     let waves = recording(&[(R, 400), (Some(Intent::WaveIn), 400)].repeat(9));
     let vocabulary = refused(vec![waves], None);
     assert!(matches!(vocabulary, PersonalizeError::Vocabulary { .. }));
@@ -240,10 +223,8 @@ fn a_tuned_file_keeps_all_but_the_weights_and_says_whom_it_saw() {
     assert_eq!(new.smoother, old.smoother);
     assert_eq!(new.template, old.template);
     assert!(new.template.is_some());
-    assert_eq!(
-        (new.dimensions, new.preprocessing),
-        (old.dimensions, old.preprocessing)
-    );
+    assert_eq!(new.dimensions, old.dimensions);
+    assert_eq!(new.preprocessing, old.preprocessing);
     let provenance = &new.provenance;
     assert_eq!(provenance.subjects_seen, ["roshambo/01", "synthetic/s1"]);
     assert_eq!(provenance.data_sets, ["roshambo", "synthetic"]);
@@ -310,11 +291,9 @@ fn where_other_movement_is_shown_there_are_more_steps_and_a_lower_margin() {
     };
     assert_eq!(tuned(turns(5)), (vec![(1, 1)], Some(0.25)));
     let wave = Some(Intent::WaveIn);
-    let shown = [R, O, R, C, R, wave].map(|label| (label, 400));
-    assert_eq!(
-        tuned(recording(&shown.repeat(5))),
-        (vec![(1, 2), (2, 2)], Some(-1.0))
-    );
+    let shown = [R, O, R, C, R, wave].map(|label| (label, 400)).repeat(5);
+    let expected = (vec![(1, 2), (2, 2)], Some(-1.0));
+    assert_eq!(tuned(recording(&shown)), expected);
 }
 
 #[test]
@@ -323,15 +302,10 @@ fn a_margin_over_other_movement_is_not_judged_on_the_movements_that_chose_it() {
     let turn = [(R, 400), (O, 400), (R, 400), (C, 400)];
     let moving = [(R, 400), (wave, 400)];
     // Of one recording, the last third is held back: three movements, one, and none.
-    for (recording, all, judged) in [
-        ([turn.as_slice(), &moving].concat().repeat(12), 4, 2),
-        (
-            [&turn.repeat(8)[..], &moving, &turn.repeat(2)].concat(),
-            1,
-            1,
-        ),
-        (turn.repeat(9), 0, 0),
-    ] {
+    let three = [turn.as_slice(), &moving].concat().repeat(12);
+    let one = [&turn.repeat(8)[..], &moving, &turn.repeat(2)].concat();
+    let none = turn.repeat(9);
+    for (recording, all, judged) in [(three, 4, 2), (one, 1, 1), (none, 0, 0)] {
         let library = library([self::recording(&recording)]);
         let with = |other_per_minute| {
             let settings = TuningSettings {
@@ -388,11 +362,8 @@ fn of_each_motion_half_of_the_holds_are_held_back_wherever_they_stand() {
     assert_eq!(labelled(&first), [(0, 5000)]);
     assert_eq!(labelled(&second), [(1800, 6400), (0, 900)]);
     let open = |part: &PersonPart<'_>| {
-        let own = part.evaluated_recordings().swap_remove(0);
-        own.lag_compensated
-            .iter()
-            .filter(|label| **label == O)
-            .count()
+        let labels = part.evaluated_recordings().swap_remove(0).lag_compensated;
+        labels.into_iter().filter(|label| *label == O).count()
     };
     assert_eq!([&first, &second].map(open), [800, 800]);
 }

@@ -117,46 +117,31 @@ fn both_agree(config: &StudentConfig, batch: usize, patches: usize) {
     assert!(super::forward(&student, &inputs.0).is_some());
     let (found, found_gradients) = run(&student, &inputs, Student::forward);
     let (expected, gradients) = run(&student, &inputs, Student::portable);
-    assert_close(&found, &expected, "logits");
+    assert_close(&found, &expected, &format!("{config:?}, {patches} patches"));
     assert_eq!(gradients.len(), 6 + 13 * config.layers);
     for ((name, found), (_, expected)) in found_gradients.iter().zip(&gradients) {
-        assert_close(
-            found,
-            expected,
-            &format!("{config:?}, {patches} patches, {name}"),
-        );
+        let what = format!("{config:?}, {patches} patches, {name}");
+        assert_close(found, expected, &what);
     }
 }
 
 #[test]
-fn one_layer_gives_the_same_as_burns_operations() {
-    // Cases: a whole block of queries, one query more, fewer patches than the span, a single one.
+fn logits_and_gradients_are_those_of_burns_operations() {
+    // A whole block of queries, one query more, fewer patches than the span, a single one.
     for patches in [16, 17, 5, 1] {
         both_agree(&config(32, 1, 7), 2, patches);
     }
-}
-
-#[test]
-fn two_layers_give_the_same_as_burns_operations() {
     for patches in [120, 61, 26] {
         both_agree(&config(64, 2, 27), 3, patches);
     }
-}
-
-#[test]
-fn heads_of_any_width_give_the_same_as_burns_operations() {
     for d_model in [16, 48, 96, 128] {
         both_agree(&config(d_model, 2, 20), 1, 33);
     }
-}
-
-#[test]
-fn a_span_of_one_patch_gives_the_same_as_burns_operations() {
-    let linear = StudentConfig {
+    let span_of_one = StudentConfig {
         companding: Companding::Linear,
         ..config(32, 2, 1)
     };
-    both_agree(&linear, 1, 20);
+    both_agree(&span_of_one, 1, 20);
 }
 
 #[test]

@@ -54,16 +54,12 @@ fn changed(change: impl Fn(&mut Tensors)) -> (TempDir, PathBuf) {
 }
 
 fn weights(teacher: &Teacher) -> BTreeMap<String, Vec<f32>> {
-    own_tensors(teacher)
-        .into_iter()
-        .map(|tensor| {
-            let name = tensor.name.clone();
-            (
-                name,
-                bridge::into_data(tensor).unwrap().try_to_vec().unwrap(),
-            )
-        })
-        .collect()
+    let named = own_tensors(teacher).into_iter().map(|tensor| {
+        let name = tensor.name.clone();
+        let data = bridge::into_data(tensor).unwrap();
+        (name, data.try_to_vec().unwrap())
+    });
+    named.collect()
 }
 
 #[test]
@@ -80,57 +76,37 @@ fn saved_weights_are_loaded() {
     }
 }
 
-/// Change of a checkpoint's tensors, classes of the teacher that it is loaded into, and what the error says.
-type Case = (fn(&mut Tensors), usize, &'static [&'static str]);
+/// Asserts what is said of a changed checkpoint that is loaded into a teacher of so many classes.
+#[track_caller]
+fn refused(words: &str, classes: usize, change: impl Fn(&mut Tensors)) {
+    let (_folder, path) = changed(change);
+    let teacher = Teacher::new(&config(), classes, &Device::default());
+    let error = load(&path, teacher).unwrap_err().to_string();
+    assert!(error.contains(words), "{words}: {error}");
+}
 
 #[test]
 fn a_checkpoint_of_another_model_is_refused_with_what_differs() {
-    let cases: [Case; 5] = [
-        (
-            |tensors| {
-                tensors.remove("action_embedding.weight");
-                tensors.remove("transformer_encoder.layers.0.self_attn.in_proj_bias");
-            },
-            CLASSES,
-            &[
-                "these tensors are missing: action_embedding.weight, transformer_encoder.layers.0.self_attn.in_proj_bias;",
-            ],
-        ),
-        (
-            |tensors| {
-                let more = tensors["emg_in_layer_norm.bias"].clone();
-                tensors.insert("final_norm.bias".into(), more);
-            },
-            CLASSES,
-            &["does not have these tensors: final_norm.bias;"],
-        ),
-        (
-            |_| {},
-            6,
-            &["action_embedding.weight has shape [4, 8], expected [7, 8]"],
-        ),
-        (
-            |tensors| {
-                let name = "transformer_encoder.layers.0.linear1.weight";
-                tensors.get_mut(name).unwrap().0.reverse();
-            },
-            CLASSES,
-            &["transformer_encoder.layers.0.linear1.weight has shape"],
-        ),
-        (
-            |tensors| tensors.get_mut(POSITION_AGAIN).unwrap().1[0] += 1.0,
-            CLASSES,
-            &["differ, expected one encoding"],
-        ),
-    ];
-    for (change, classes, expected) in cases {
-        let (_folder, path) = changed(change);
-        let teacher = Teacher::new(&config(), classes, &Device::default());
-        let error = load(&path, teacher).unwrap_err().to_string();
-        for part in expected {
-            assert!(error.contains(part), "{part}: {error}");
-        }
-    }
+    let bias = "transformer_encoder.layers.0.self_attn.in_proj_bias";
+    let words = format!("these tensors are missing: action_embedding.weight, {bias};");
+    refused(&words, CLASSES, |tensors| {
+        tensors.remove("action_embedding.weight");
+        tensors.remove(bias);
+    });
+    let words = "does not have these tensors: final_norm.bias;";
+    refused(words, CLASSES, |tensors| {
+        let more = tensors["emg_in_layer_norm.bias"].clone();
+        tensors.insert("final_norm.bias".into(), more);
+    });
+    let words = "action_embedding.weight has shape [4, 8], expected [7, 8]";
+    refused(words, 6, |_| {});
+    let linear = "transformer_encoder.layers.0.linear1.weight";
+    refused(&format!("{linear} has shape"), CLASSES, |tensors| {
+        tensors.get_mut(linear).unwrap().0.reverse();
+    });
+    refused("differ, expected one encoding", CLASSES, |tensors| {
+        tensors.get_mut(POSITION_AGAIN).unwrap().1[0] += 1.0;
+    });
 }
 
 #[test]
@@ -142,9 +118,8 @@ fn files_of_other_kinds_are_refused() {
         let why = load(&path, teacher(&config())).unwrap_err().why;
         assert!(matches!(why, Fault::Unreadable(_)), "{name}: {why}");
     }
-    let why = load(&folder.path().join("teacher.bpk"), teacher(&config()))
-        .unwrap_err()
-        .why;
+    let other = folder.path().join("teacher.bpk");
+    let why = load(&other, teacher(&config())).unwrap_err().why;
     assert!(matches!(why, Fault::Format), "{why}");
 }
 
