@@ -162,20 +162,14 @@ mod tests {
         let file = all.file();
         let (blocks, rest) = file.as_chunks::<BLOCK>();
         assert!(rest.is_empty());
-        let addresses: Vec<_> = blocks
-            .iter()
-            .map(|block| u32::from_le_bytes([block[12], block[13], block[14], block[15]]))
-            .collect();
-        assert_eq!(addresses, [0x1000, 0x1100, 0x2000]);
+        let address = |block: &[u8; BLOCK]| [block[12], block[13], block[14], block[15]];
+        let addresses = [0x1000, 0x1100, 0x2000_u32].map(u32::to_le_bytes);
+        assert!(blocks.iter().map(address).eq(addresses));
         let data = |number: usize| &blocks[number][32..288];
         assert_eq!(data(0)[248..], [1, 1, 0xff, 0xff, 2, 2, 2, 2]);
         assert_eq!(data(1)[..5], [2, 2, 2, 2, 0xff]);
         assert_eq!(data(2)[15..18], [0xff, 3, 0xff]);
-        assert!(
-            blocks
-                .iter()
-                .all(|block| block[288..508].iter().all(|byte| *byte == 0))
-        );
+        assert!(blocks.iter().all(|block| block[288..508] == [0; 220]));
         assert_eq!(Uf2::parse(&file), Ok(all));
     }
 
@@ -197,39 +191,36 @@ mod tests {
         assert_eq!(image.put_model(&long[1..]), Ok(()));
     }
 
-    #[test]
-    fn every_damaged_file_is_refused() {
+    /// Three blocks.
+    fn three() -> (Uf2, Vec<u8>) {
         let mut all = Uf2::default();
         all.put(0x1000, &[1; 700]);
         let file = all.file();
-        assert_eq!(
-            Uf2::parse(&[]),
-            Err(Uf2Error::Count {
-                expected: 1,
-                found: 0
-            })
-        );
-        for length in [511, 1024, 1535] {
+        (all, file)
+    }
+
+    #[test]
+    fn every_damaged_file_is_refused() {
+        let (_, file) = three();
+        for (length, expected) in [(0, 1), (511, 1), (1024, 3), (1535, 3)] {
             let found = length / 512;
-            let expected = if found == 0 { 1 } else { 3 };
-            assert_eq!(
-                Uf2::parse(&file[..length]),
-                Err(Uf2Error::Count { expected, found })
-            );
+            let refused = Err(Uf2Error::Count { expected, found });
+            assert_eq!(Uf2::parse(&file[..length]), refused, "{length} bytes");
         }
         // Both magic words, flags, address, length, number, family, the last word; of the second block.
         for place in [0, 4, 9, 12, 15, 17, 20, 28, 508] {
             let mut damaged = file.clone();
             damaged[512 + place] ^= 0x31;
-            assert_eq!(
-                Uf2::parse(&damaged),
-                Err(Uf2Error::Block { block: 1 }),
-                "{place}"
-            );
+            let refused = Err(Uf2Error::Block { block: 1 });
+            assert_eq!(Uf2::parse(&damaged), refused, "{place}");
         }
-        let mut twice = file.clone();
-        twice[512 + 12..][..4].copy_from_slice(&0x1000_u32.to_le_bytes());
-        assert_eq!(Uf2::parse(&twice), Err(Uf2Error::Block { block: 1 }));
+        // The address of the first block again, and other numbers of blocks.
+        for (block, place, word) in [(1, 12, 0x1000_u32), (1, 24, 2), (1, 24, 4), (2, 24, 2)] {
+            let mut file = file.clone();
+            file[block * BLOCK + place..][..4].copy_from_slice(&word.to_le_bytes());
+            let refused = Err(Uf2Error::Block { block });
+            assert_eq!(Uf2::parse(&file), refused, "{word:#x} at {place}");
+        }
     }
 
     /// A file with one more block at a place, which numbers count.
@@ -248,9 +239,7 @@ mod tests {
 
     #[test]
     fn a_block_that_is_not_for_main_flash_writes_nothing_wherever_it_is() {
-        let mut all = Uf2::default();
-        all.put(0x1000, &[1; 700]);
-        let file = all.file();
+        let (all, file) = three();
         // Beside a family, another flag, or neither; with an address in flash, outside of it, or at no piece's start.
         for (flags, address, length) in [
             (0x2001_u32, 0x1000_u32, 256_u32),
@@ -277,17 +266,6 @@ mod tests {
                 block[12..16].copy_from_slice(&0x5000_u32.to_le_bytes());
             });
             assert_eq!(Uf2::parse(&contained), Err(Uf2Error::Block { block: 3 }));
-        }
-    }
-
-    #[test]
-    fn blocks_that_name_different_counts_are_refused() {
-        let mut all = Uf2::default();
-        all.put(0x1000, &[1; 700]);
-        for (block, other) in [(1, 2_u32), (1, 4), (2, 2)] {
-            let mut file = all.file();
-            file[block * BLOCK + 24..][..4].copy_from_slice(&other.to_le_bytes());
-            assert_eq!(Uf2::parse(&file), Err(Uf2Error::Block { block }));
         }
     }
 

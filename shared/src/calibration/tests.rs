@@ -285,24 +285,20 @@ fn a_head_of_other_dimensions_is_not_used() {
 
 #[test]
 fn too_little_or_something_else_is_refused() {
-    let [with, without] = [true, false].map(|other| file(16, other));
+    let with = file(16, true);
     let refusal = |patches, file: &[u8]| solved(&sums(&shown(16, patches)), file).unwrap_err();
     let few = |class, found| Refusal::TooFew { class, found };
     assert_eq!(refusal([8, 20, 20, 0], &with), few(Intent::Relax, 8));
     assert_eq!(refusal([20, 20, 0, 0], &with), few(Intent::Close, 0));
-    assert_eq!(
-        refusal([20, 20, 20, 8], &with),
-        Refusal::TooFewOthers { found: 8 }
-    );
-    assert_eq!(refusal([20; 4], &without), Refusal::WrongModel);
-    assert_eq!(
-        refusal([20, 20, 20, 0], &file(24, true)),
-        Refusal::WrongModel
-    );
-    assert_eq!(
-        refusal([20; 4], &file(72, true)),
-        Refusal::TooWide { found: 72 }
-    );
+    let others = Refusal::TooFewOthers { found: 8 };
+    assert_eq!(refusal([20, 20, 20, 8], &with), others);
+    for (width, other, expected) in [
+        (16, false, Refusal::WrongModel),
+        (24, true, Refusal::WrongModel),
+        (72, true, Refusal::TooWide { found: 72 }),
+    ] {
+        assert_eq!(refusal([20; 4], &file(width, other)), expected, "{width}");
+    }
     let mut waved = sums(&shown(16, [20; 4]));
     waved.add(&[0.0; 16], Shown::Intent(Intent::WaveIn));
     assert_eq!(solved(&waved, &with), Err(Refusal::WrongModel));
@@ -352,13 +348,9 @@ fn a_record_is_read_again_and_refused_with_any_byte_changed_or_missing() {
     assert_eq!(read(&[0xff; 4096], &model), Err(RecordError::Missing));
     let other = random_model(model.header.dimensions, 4).to_bytes().unwrap();
     let other = Model::parse(&other).unwrap();
-    assert_eq!(
-        read(&page.0, &other),
-        Err(RecordError::WrongModel {
-            expected: other.checksum,
-            found: model.checksum
-        })
-    );
+    let (expected, found) = (other.checksum, model.checksum);
+    let refused = Err(RecordError::WrongModel { expected, found });
+    assert_eq!(read(&page.0, &other), refused);
 }
 
 proptest! {

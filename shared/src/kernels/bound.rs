@@ -47,14 +47,11 @@ mod tests {
             let bytes: alloc::vec::Vec<i8> = (0..rows * columns)
                 .map(|at| (at * factor % 255) as u8 as i8)
                 .collect();
-            let largest = bytes
-                .chunks(columns)
-                .map(|row| {
-                    let weights = weights_of_row(row).into_iter();
-                    weights.map(|weight| i64::from(weight).abs()).sum::<i64>()
-                })
-                .max()
-                .unwrap();
+            let size = |row: &[i8]| -> i64 {
+                let weights = weights_of_row(row).into_iter();
+                weights.map(|weight| i64::from(weight).abs()).sum()
+            };
+            let largest = bytes.chunks(columns).map(size).max().unwrap();
             let limit = i64::from(code_limit(&packed(&bytes, columns), columns));
             assert!(limit * largest <= i64::from(i32::MAX));
             assert!((limit + 1) * largest > i64::from(i32::MAX) || limit == i64::from(i16::MAX));
@@ -65,10 +62,8 @@ mod tests {
     fn the_limit_of_extreme_and_of_no_weights() {
         // -128 x 256, and three times -128 x 256 + 128.
         let largest = 16 * (32_768 + 3 * 32_640);
-        assert_eq!(
-            i32::from(code_limit(&[i8::MIN; 4 * 64], 64)),
-            i32::MAX / largest
-        );
+        let limit = i32::from(code_limit(&[i8::MIN; 4 * 64], 64));
+        assert_eq!(limit, i32::MAX / largest);
         assert_eq!(code_limit(&[0; 4 * 64], 64), i16::MAX);
         assert_eq!(code_limit(&[], 64), i16::MAX);
     }

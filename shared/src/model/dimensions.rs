@@ -14,9 +14,12 @@ pub(crate) const MIN_WIDTH: usize = 16;
 pub(crate) const MAX_LAYERS: usize = 3;
 /// Longest attention span, in patches: the most terms that the attention kernels sum.
 pub(crate) const MAX_SPAN: usize = kernels::MAX_TERMS;
-/// Most cache slots of a model: layers x span, where the receptive field fits the window.
-pub(crate) const MAX_SLOTS: usize = max_slots();
+/// Most cache slots of a model, layers x span: of three layers of the longest span that fits the window. Two have 56.
+pub(crate) const MAX_SLOTS: usize = 3 * 19;
 
+const _: () = assert!(patches_needed(3, 19) <= WINDOW_PATCHES);
+const _: () =
+    assert!(patches_needed(3, 20) > WINDOW_PATCHES && patches_needed(2, 29) > WINDOW_PATCHES);
 // Longest rows of weights: the patch, and the second matrix of the feed-forward.
 const _: () = assert!(PATCH * CHANNELS <= kernels::MAX_COLUMNS);
 const _: () = assert!(2 * MAX_WIDTH <= kernels::MAX_COLUMNS);
@@ -77,40 +80,4 @@ pub(crate) const fn receptive_field(layers: usize, span: usize) -> usize {
 /// Patches that the rows of one step depend on, those of the look-back included.
 pub(crate) const fn patches_needed(layers: usize, span: usize) -> usize {
     receptive_field(layers, span) + LOOK_BACK - 1
-}
-
-/// The usual span for a number of layers: 2.7 s of EMG, divided among the layers.
-#[must_use]
-pub const fn usual_span(layers: usize) -> usize {
-    540 / PATCH / layers
-}
-
-const fn max_slots() -> usize {
-    let mut most = 0;
-    let mut layers = 1;
-    while layers <= MAX_LAYERS {
-        let mut span = MAX_SPAN;
-        while patches_needed(layers, span) > WINDOW_PATCHES {
-            span -= 1;
-        }
-        if layers * span > most {
-            most = layers * span;
-        }
-        layers += 1;
-    }
-    most
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_longest_spans_fit_the_window_and_the_next_do_not() {
-        for (layers, span) in [(2, 28), (3, 19)] {
-            assert!(patches_needed(layers, span) <= WINDOW_PATCHES);
-            assert!(patches_needed(layers, span + 1) > WINDOW_PATCHES);
-        }
-        assert_eq!(MAX_SLOTS, 3 * 19);
-    }
 }

@@ -93,11 +93,8 @@ mod tests {
             supervision_timeout: 0,
         };
         for found in [interval(6, 13), interval(24, 40), lazy, longest] {
-            assert_eq!(
-                ParameterHold::default().look(found),
-                Some(OURS),
-                "{found:?}"
-            );
+            let answer = ParameterHold::default().look(found);
+            assert_eq!(answer, Some(OURS), "{found:?}");
         }
     }
 
@@ -109,15 +106,9 @@ mod tests {
         assert_eq!(asked, 3);
         // Also where it gives way in between.
         let mut hold = ParameterHold::default();
-        let found = [
-            interval(24, 24),
-            OURS,
-            interval(40, 40),
-            OURS,
-            interval(80, 80),
-        ];
+        let longer = interval(24, 24);
+        let found = [longer, OURS, longer, OURS, longer, longer];
         let asked = found.map(|found| hold.look(found).is_some());
-        assert_eq!(asked, [true, false, true, false, true]);
-        assert_eq!(hold.look(interval(24, 24)), None);
+        assert_eq!(asked, [true, false, true, false, true, false]);
     }
 }

@@ -89,181 +89,127 @@ impl RadioProgress {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::myo::session::tests::{ANY, FIRMWARE, address, advertisement, everything};
-    use crate::myo::{Characteristic, Lane, Settings};
+    use crate::myo::Settings;
+    use crate::myo::session::tests::{ANY, Driver, NEAR};
 
-    /// A session whose every operation succeeds at once, and what its watchdog thinks of it.
-    struct Link {
-        session: MyoSession,
-        progress: RadioProgress,
-        now: Millis,
+    fn is_alive(driver: &Driver, now: u32) -> bool {
+        driver.progress.is_alive(Millis(now))
     }
 
-    impl Link {
-        fn new() -> Self {
-            Self {
-                session: MyoSession::new(ANY),
-                progress: RadioProgress::default(),
-                now: Millis(0),
-            }
+    /// A stream from the scan to its end, with or without a notification; returns when the next scan is due.
+    fn stream(driver: &mut Driver, now: u32, notified: bool) -> u32 {
+        driver.streaming(now);
+        let mut now = now + 501;
+        if notified {
+            driver.emg(now, 0);
         }
-
-        fn handle(&mut self, event: MyoEvent<'_>) {
-            self.session.handle(self.now, event, &mut |_| {});
-            self.progress.handled(self.now, event, &self.session);
+        while driver.session.phase() == Phase::Streaming {
+            now += 50;
+            driver.handle(now, MyoEvent::Tick);
+            driver.handle(now, MyoEvent::Done);
         }
-
-        fn advertise(&mut self) {
-            self.handle(MyoEvent::Advertisement {
-                address: address(1),
-                rssi: -40,
-                data: &advertisement(),
-            });
-        }
-
-        fn notify(&mut self) {
-            let characteristic = Characteristic::Emg(Lane::ALL[0]);
-            self.handle(MyoEvent::Notification {
-                characteristic,
-                bytes: &[0; 16],
-            });
-        }
-
-        /// A stream from the scan to its end a second later, with or without notifications.
-        fn stream(&mut self, notified: bool) {
-            while self.session.phase() != Phase::Streaming {
-                self.now = self.now.plus(50);
-                match self.session.phase() {
-                    Phase::Scanning => self.advertise(),
-                    Phase::Connecting => self.handle(MyoEvent::Connected),
-                    Phase::SettingUp => {
-                        self.handle(MyoEvent::Discovered(everything()));
-                        self.handle(MyoEvent::Read(&FIRMWARE));
-                        self.handle(MyoEvent::Read(&[80]));
-                        (0..9).for_each(|_| self.handle(MyoEvent::Done));
-                    }
-                    _ => {}
-                }
-                self.handle(MyoEvent::Tick);
-            }
-            if notified {
-                self.notify();
-            }
-            while self.session.phase() == Phase::Streaming {
-                self.now = self.now.plus(50);
-                self.handle(MyoEvent::Tick);
-                self.handle(MyoEvent::Done);
-            }
-            self.handle(MyoEvent::Disconnected);
-        }
-
-        fn is_alive(&self) -> bool {
-            self.progress.is_alive(self.now)
-        }
+        driver.handle(now, MyoEvent::Disconnected);
+        now + 5_000
     }
 
     #[test]
     fn three_empty_streams_after_one_that_worked_are_no_progress() {
-        let mut link = Link::new();
-        link.stream(true);
-        for _ in 0..2 {
-            link.stream(false);
-            assert!(link.is_alive());
+        let mut driver = Driver::new(ANY);
+        let mut now = 0;
+        for (notified, alive) in [
+            (true, true),
+            (false, true),
+            (false, true),
+            (false, false),
+            (true, true),
+            (false, true),
+        ] {
+            now = stream(&mut driver, now, notified);
+            assert_eq!(is_alive(&driver, now), alive, "at {now} ms");
         }
-        link.stream(false);
-        assert!(!link.is_alive());
-        link.stream(true);
-        assert!(link.is_alive());
-        link.stream(false);
-        assert!(link.is_alive());
     }
 
     #[test]
     fn empty_streams_before_the_first_that_worked_change_nothing() {
-        let mut link = Link::new();
-        (0..10).for_each(|_| link.stream(false));
-        assert!(link.is_alive());
+        let mut driver = Driver::new(ANY);
+        let now = (0..10).fold(0, |now, _| stream(&mut driver, now, false));
+        assert!(is_alive(&driver, now));
     }
 
     #[test]
     fn a_stack_of_which_nothing_is_asked_may_stay_silent() {
-        let mut link = Link::new();
-        link.session = MyoSession::new(Settings {
-            bound: Some(address(1)),
+        let mut driver = Driver::new(Settings {
+            bound: Some(NEAR),
             ..Settings::default()
         });
-        link.handle(MyoEvent::Tick);
-        link.advertise();
-        link.handle(MyoEvent::Disconnected);
-        link.handle(MyoEvent::Bind(None));
-        link.now = link.now.plus(1000);
-        link.handle(MyoEvent::Tick);
-        assert_eq!(link.session.phase(), Phase::Unbound);
-        link.now = link.now.plus(2 * SILENT_MS);
-        assert!(link.is_alive());
+        driver.handle(0, MyoEvent::Tick);
+        driver.advertise(0, NEAR, -40);
+        driver.handle(0, MyoEvent::Disconnected);
+        driver.handle(0, MyoEvent::Bind(None));
+        driver.handle(1000, MyoEvent::Tick);
+        assert_eq!(driver.session.phase(), Phase::Unbound);
+        assert!(is_alive(&driver, 1000 + 2 * SILENT_MS));
     }
 
     #[test]
     fn a_stack_that_is_never_heard_is_dead_a_minute_after_it_was_asked() {
-        let mut link = Link::new();
-        link.now = Millis(u32::MAX - 10_000);
-        link.handle(MyoEvent::Tick);
-        assert_eq!(link.session.phase(), Phase::Scanning);
-        link.now = link.now.plus(SILENT_MS - 1);
-        link.handle(MyoEvent::Tick);
-        assert!(link.is_alive());
-        link.now = link.now.plus(1);
-        link.handle(MyoEvent::Tick);
-        assert!(!link.is_alive());
+        let mut driver = Driver::new(ANY);
+        let asked = u32::MAX - 10_000;
+        driver.handle(asked, MyoEvent::Tick);
+        assert_eq!(driver.session.phase(), Phase::Scanning);
+        for (later, alive) in [(SILENT_MS - 1, true), (SILENT_MS, false)] {
+            let now = asked.wrapping_add(later);
+            driver.handle(now, MyoEvent::Tick);
+            assert_eq!(is_alive(&driver, now), alive, "{later} ms later");
+        }
     }
 
     #[test]
     fn a_stack_that_answers_where_nothing_is_heard_stays_alive() {
-        let mut link = Link::new();
-        link.handle(MyoEvent::Tick);
+        let mut driver = Driver::new(ANY);
+        driver.handle(0, MyoEvent::Tick);
+        let mut now = 0;
         for _ in 0..100 {
-            link.now = link.now.plus(SILENT_MS - 1);
-            link.handle(MyoEvent::Tick);
-            assert!(link.is_alive());
-            link.handle(MyoEvent::Answered);
+            now += SILENT_MS - 1;
+            driver.handle(now, MyoEvent::Tick);
+            assert!(is_alive(&driver, now));
+            driver.handle(now, MyoEvent::Answered);
         }
         // Nor do scans that it refuses keep it alive.
         for _ in 0..20 {
-            link.now = link.now.plus(SILENT_MS / 10);
-            link.handle(MyoEvent::Tick);
-            link.handle(MyoEvent::ScanEnded);
+            now += SILENT_MS / 10;
+            driver.handle(now, MyoEvent::Tick);
+            driver.handle(now, MyoEvent::ScanEnded);
         }
-        assert!(!link.is_alive());
+        assert!(!is_alive(&driver, now));
     }
 
     #[test]
     fn answers_do_not_stand_for_what_was_heard() {
-        let mut link = Link::new();
-        link.handle(MyoEvent::Tick);
-        link.advertise();
-        link.handle(MyoEvent::ConnectFailed);
-        for _ in 0..6 {
-            assert!(link.is_alive());
-            link.now = link.now.plus(10_000);
-            link.handle(MyoEvent::Answered);
+        let mut driver = Driver::new(ANY);
+        driver.handle(0, MyoEvent::Tick);
+        driver.advertise(0, NEAR, -40);
+        driver.handle(0, MyoEvent::ConnectFailed);
+        for now in (0..60_000).step_by(10_000) {
+            assert!(is_alive(&driver, now));
+            driver.handle(now + 10_000, MyoEvent::Answered);
         }
-        assert!(!link.is_alive());
+        assert!(!is_alive(&driver, 60_000));
     }
 
     #[test]
     fn a_stack_that_was_heard_and_falls_silent_is_dead_after_a_minute() {
-        let mut link = Link::new();
-        link.now = Millis(10_000_000);
-        link.handle(MyoEvent::Tick);
-        link.advertise();
-        link.now = link.now.plus(SILENT_MS - 1);
-        link.handle(MyoEvent::Tick);
-        link.handle(MyoEvent::ConnectFailed);
-        assert!(link.is_alive());
-        link.now = link.now.plus(1);
-        link.handle(MyoEvent::Tick);
-        assert!(!link.is_alive());
-        link.advertise();
-        assert!(link.is_alive());
+        let mut driver = Driver::new(ANY);
+        let heard = 10_000_000;
+        driver.handle(heard, MyoEvent::Tick);
+        driver.advertise(heard, NEAR, -40);
+        let now = heard + SILENT_MS - 1;
+        driver.handle(now, MyoEvent::Tick);
+        driver.handle(now, MyoEvent::ConnectFailed);
+        assert!(is_alive(&driver, now));
+        driver.handle(now + 1, MyoEvent::Tick);
+        assert!(!is_alive(&driver, now + 1));
+        driver.advertise(now + 1, NEAR, -40);
+        assert!(is_alive(&driver, now + 1));
     }
 }

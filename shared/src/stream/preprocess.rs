@@ -156,24 +156,6 @@ mod tests {
         assert_eq!([0, 2, 4, 255].map(Median::of_width), [None; 4]);
     }
 
-    fn every_channel(values: &[i8]) -> impl Iterator<Item = Sample> {
-        values.iter().map(|value| [*value; CHANNELS])
-    }
-
-    #[test]
-    fn the_most_negative_value_becomes_128() {
-        let output: Vec<_> = clean(every_channel(&[-128, -128, -128]), Median::Three).collect();
-        assert_eq!(output, [[128; CHANNELS]; 3]);
-        let output: Vec<_> = clean(every_channel(&[-128, 127, 0]), Median::Off).collect();
-        assert_eq!(output, [128, 127, 0].map(|value| [value; CHANNELS]));
-    }
-
-    #[test]
-    fn neighbours_beyond_either_end_are_zero() {
-        let output: Vec<_> = clean(every_channel(&[-5, 7, -9, 9]), Median::Three).collect();
-        assert_eq!(output, [0, 5, 7, 0].map(|value| [value; CHANNELS]));
-    }
-
     #[test]
     fn after_finish_a_new_stream_starts() {
         for (median, last) in [(Median::Three, 0), (Median::Off, 9)] {

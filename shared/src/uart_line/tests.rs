@@ -67,29 +67,15 @@ fn is_no_command(text: &str) {
 }
 
 #[test]
-fn a_line_with_a_changed_bit_or_without_its_end_is_never_read() {
+fn a_line_with_a_changed_byte_or_without_its_end_is_never_read() {
     for text in BODIES.split_whitespace().map(line) {
         for place in 0..text.len() {
             let mut bytes = text.clone().into_bytes();
             assert!(Line::parse(&bytes[..place]).is_err(), "{place}: {text}");
-            for bit in 0..8 {
-                bytes[place] ^= 1 << bit;
-                assert!(Line::parse(&bytes).is_err(), "{place}, {bit}: {text}");
-                bytes[place] ^= 1 << bit;
-            }
-        }
-    }
-    for text in [STATE, ALIGN, IDENTITY].map(line) {
-        for place in 0..text.len() {
-            for flips in 1..=u8::MAX {
-                let mut bytes = text.clone().into_bytes();
+            for flips in [1, 2, 4, 8, 16, 32, 64, 128, 255] {
                 bytes[place] ^= flips;
-                // `$` may become `#`, which begins a comment.
-                let read = Line::parse(&bytes);
-                assert!(
-                    matches!(read, Err(_) | Ok(Line::Comment(_))),
-                    "{read:?}: {text}"
-                );
+                assert!(Line::parse(&bytes).is_err(), "{place}, {flips}: {text}");
+                bytes[place] ^= flips;
             }
         }
     }
@@ -122,23 +108,23 @@ fn no_line_is_longer_than_its_bound() {
     let state = longest(&AlignmentState::ALL.map(AlignmentState::name)).unwrap();
     let most = u32::MAX;
     let counts = vec![most.to_string(); 16].join(",");
-    for (body, bytes) in [
+    for (bytes, body) in [
         (
-            format!("STATE,{most},{most},{most},relax,0,{cause},{most},{most},{most},100"),
             103,
+            format!("STATE,{most},{most},{most},relax,0,{cause},{most},{most},{most},100"),
         ),
         (
-            format!("ALIGN,{most},{most},{state},255,7,1,{most},{most}"),
             77,
+            format!("ALIGN,{most},{most},{state},255,7,1,{most},{most}"),
         ),
-        (format!("EMG,{most},{0},{0}", "F".repeat(16)), 54),
-        (format!("IMU,{most},{}", "F".repeat(40)), 61),
-        (format!("OK,COUNTERS,{counts}"), 193),
+        (54, format!("EMG,{most},{0},{0}", "F".repeat(16))),
+        (61, format!("IMU,{most},{}", "F".repeat(40))),
+        (193, format!("OK,COUNTERS,{counts}")),
         (
+            111,
             format!(
                 "OK,IDENTIFY,100.100.100,0123456789ab-dirty,nrf52840-s140,ffffffff,{ADDRESS},65535.65535.65535,100"
             ),
-            111,
         ),
     ] {
         let text = line(&body);
@@ -197,19 +183,15 @@ fn fields_of_reports_have_their_places() {
         sample: SampleIndex(1200),
         imu: Imu([16_384, 0, 0, 1, 2048, 0, 0, -16, 0, 0]),
     };
-    for (value, body) in [
+    #[rustfmt::skip]
+    let table = [
         (Line::Report(boot), "STATE,1,2,3,relax,0,boot,4,5,6"),
         (Line::Report(label), "LABEL,1,2,3,close,1,-,4,5,6,64"),
-        (
-            Line::Alignment(aligned),
-            "ALIGN,97,2550,aligned,2,5,1,214,1130",
-        ),
+        (Line::Alignment(aligned), "ALIGN,97,2550,aligned,2,5,1,214,1130"),
         (Line::Emg(emg), "EMG,1200,0001FF7F80050607,08090A0B0C0D0E0F"),
-        (
-            Line::Imu(imu),
-            "IMU,1200,4000000000000001080000000000FFF000000000",
-        ),
-    ] {
+        (Line::Imu(imu), "IMU,1200,4000000000000001080000000000FFF000000000"),
+    ];
+    for (value, body) in table {
         assert_eq!(Line::parse(line(body).as_bytes()), Ok(value), "{body}");
     }
 }
@@ -263,57 +245,32 @@ fn fields_of_answers_have_their_places() {
     };
     let weak = CalibrationReport::of(CalibrationState::Weak, Some(Shown::Other));
     let done = CalibrationReport::judged(CalibrationState::Done, [0.812, 0.9344]);
-    for (answer, body) in [
+    #[rustfmt::skip]
+    let table = [
         (Answer::Identity(identity), IDENTITY),
         (Answer::Battery(Some(charge)), "OK,IDENTIFY,battery,3790,48"),
-        (
-            Answer::Counts(counts),
-            "OK,COUNTERS,1,0,0,0,0,0,0,0,0,0,0,0,13,14,15,16",
-        ),
+        (Answer::Counts(counts), "OK,COUNTERS,1,0,0,0,0,0,0,0,0,0,0,0,13,14,15,16"),
         (Answer::Align(Accepted::Begin), "OK,ALIGN,begin"),
-        (
-            Answer::Alignment(Alignment::new(3, true)),
-            "OK,ALIGN,state,3,1",
-        ),
+        (Answer::Alignment(Alignment::new(3, true)), "OK,ALIGN,state,3,1"),
         (Answer::Raw(true), "OK,RAW,on"),
         (Answer::Imu(true), "OK,IMU,on"),
         (Answer::Strength(false), "OK,STRENGTH,off"),
-        (
-            binding(Following::Bound(ADDRESS), true),
-            "OK,BIND,bound,FA:12:34:56:78:9A,1",
-        ),
-        (
-            binding(Following::Pinned(ADDRESS), false),
-            "OK,BIND,built-in,FA:12:34:56:78:9A,0",
-        ),
+        (binding(Following::Bound(ADDRESS), true), "OK,BIND,bound,FA:12:34:56:78:9A,1"),
+        (binding(Following::Pinned(ADDRESS), false), "OK,BIND,built-in,FA:12:34:56:78:9A,0"),
         (binding(Following::Strongest, true), "OK,BIND,strongest,-,1"),
         (binding(Following::Nobody, false), "OK,BIND,nobody,-,0"),
         (binding(Following::Pairing, true), "OK,BIND,pairing,-,1"),
         (Answer::Gate(gate), "OK,GATE,1,-2,steady"),
         (Answer::Lock(Some(lock)), "OK,LOCK,500,2000,1"),
         (Answer::Lock(None), "OK,LOCK,off"),
-        (
-            Answer::Hid(outputs),
-            "OK,HID,on,key:w,click:left,-,-,axis:x-",
-        ),
-        (
-            Answer::Calibration(weak, false),
-            "OK,CALIBRATE,weak,other,-,-,0",
-        ),
-        (
-            Answer::Calibration(done, true),
-            "OK,CALIBRATE,done,-,812,934,1",
-        ),
-        (
-            Answer::Install(InstallationProgress::Next(1355)),
-            "OK,INSTALL,1355",
-        ),
-        (
-            Answer::Install(InstallationProgress::Installed),
-            "OK,INSTALL,done",
-        ),
+        (Answer::Hid(outputs), "OK,HID,on,key:w,click:left,-,-,axis:x-"),
+        (Answer::Calibration(weak, false), "OK,CALIBRATE,weak,other,-,-,0"),
+        (Answer::Calibration(done, true), "OK,CALIBRATE,done,-,812,934,1"),
+        (Answer::Install(InstallationProgress::Next(1355)), "OK,INSTALL,1355"),
+        (Answer::Install(InstallationProgress::Installed), "OK,INSTALL,done"),
         (Answer::Refused(Refusal::Checksum(0x4c)), "ERR,checksum,4C"),
-    ] {
+    ];
+    for (answer, body) in table {
         assert_eq!(Answer::parse(line(body).as_bytes()), Ok(answer), "{body}");
     }
 }

@@ -13,13 +13,7 @@ use crate::stream::smoother::{AggregationMode, Margins};
 use crate::units::{CHANNELS, LOOK_BACK, PATCH};
 
 /// Small dimensions.
-pub const SMALL: Dimensions = Dimensions {
-    width: 16,
-    layers: 1,
-    span: 5,
-    vocabulary: Vocabulary::Three,
-    other: false,
-};
+pub const SMALL: Dimensions = Dimensions::new(Vocabulary::Three, 16, 1, 5);
 
 /// Draws tensors.
 struct Draw(Noise);

@@ -3,20 +3,17 @@
 use alloc::{string::ToString, vec, vec::Vec};
 
 use super::{
-    random::random_model,
+    random::{SMALL, random_model},
     wire_header::WireHeader,
     writer::{append, list, prefix, quantize_rows, seal},
     *,
 };
-use crate::intent::Vocabulary;
 use crate::model::dimensions::Dimensions;
 use crate::stream::alignment::{TEMPLATE_BYTES, TemplateError};
 use crate::stream::smoother::Early;
 
 mod header;
 mod tensors;
-
-const SMALL: Dimensions = Dimensions::new(Vocabulary::Three, 16, 1, 5);
 
 fn small() -> ModelParts {
     random_model(SMALL, 11)
@@ -54,7 +51,7 @@ fn header_refusal<'n>(change: impl FnOnce(&mut WireHeader<'n>)) -> ModelError {
 
 /// Asserts the refusal of the small model with a changed header.
 #[track_caller]
-fn refuses<'n>(change: impl FnOnce(&mut WireHeader<'n>), expected: ModelError) {
+fn refuses<'n>(expected: ModelError, change: impl FnOnce(&mut WireHeader<'n>)) {
     assert_eq!(header_refusal(change), expected);
 }
 
@@ -73,10 +70,10 @@ fn a_template_may_be_missing_and_is_checked() {
     assert_eq!(Model::parse(&bytes).unwrap().header.template, None);
     let found = TEMPLATE_BYTES - 1;
     let short = ModelError::Template(TemplateError::Length { found });
-    refuses(|header| header.template = &[0; TEMPLATE_BYTES - 1], short);
+    refuses(short, |header| header.template = &[0; TEMPLATE_BYTES - 1]);
     let (electrode, found) = (0, 0);
     let flat = ModelError::Template(TemplateError::Precision { electrode, found });
-    refuses(|header| header.template = &[0; TEMPLATE_BYTES], flat);
+    refuses(flat, |header| header.template = &[0; TEMPLATE_BYTES]);
 }
 
 #[test]
@@ -110,23 +107,12 @@ fn a_gate_can_be_exchanged_without_touching_anything_else() {
     let both = Model::with_gate(&entry, None, Some(-2.0), None).unwrap();
     assert_eq!(both, parts.to_bytes().unwrap());
     let small = small().to_bytes().unwrap();
-    for (file, entry, other, refused) in [
-        (
-            &bytes,
-            Some(-1.0),
-            None,
-            ModelError::EntryMargin { found: -1.0 },
-        ),
-        (
-            &bytes,
-            None,
-            Some(51.0),
-            ModelError::OtherMargin { found: 51.0 },
-        ),
-        (&small, None, Some(1.0), ModelError::NoOther),
-    ] {
-        assert_eq!(Model::with_gate(file, entry, other, None), Err(refused));
-    }
+    let refused = |file, entry, other| Model::with_gate(file, entry, other, None).unwrap_err();
+    let entry = ModelError::EntryMargin { found: -1.0 };
+    assert_eq!(refused(&bytes, Some(-1.0), None), entry);
+    let other = ModelError::OtherMargin { found: 51.0 };
+    assert_eq!(refused(&bytes, None, Some(51.0)), other);
+    assert_eq!(refused(&small, None, Some(1.0)), ModelError::NoOther);
 }
 
 #[test]
@@ -175,50 +161,36 @@ fn a_region_longer_than_the_file_is_read_at_a_multiple_of_four_alone() {
 
 #[test]
 fn an_erased_region_and_another_file_have_no_magic() {
-    assert_eq!(
-        parse_error(&[0xff; 4096]),
-        ModelError::Magic { found: [0xff; 8] }
-    );
-    assert_eq!(
-        parse_error(b"gt,emg_0,emg_1,emg_2\n"),
-        ModelError::Magic {
-            found: *b"gt,emg_0"
-        }
-    );
+    for (file, found) in [
+        (&[0xff; 4096][..], [0xff; 8]),
+        (b"gt,emg_0,emg_1,emg_2\n", *b"gt,emg_0"),
+    ] {
+        assert_eq!(parse_error(file), ModelError::Magic { found });
+    }
 }
 
 #[test]
 fn a_byte_short_or_a_byte_long_is_refused() {
     let bytes = small().to_bytes().unwrap();
-    let [declared, available] = [bytes.len(), bytes.len() - 1];
-    assert_eq!(
-        parse_error(&bytes[..available]),
-        ModelError::Length {
-            declared,
-            available
-        }
-    );
-    for length in 0..PREFIX_BYTES + CHECKSUM_BYTES {
-        assert_eq!(
-            parse_error(&bytes[..length]),
-            ModelError::TooShort {
-                expected: 17,
-                found: length
-            }
-        );
+    let whole = bytes.len();
+    let length = |declared, available| ModelError::Length {
+        declared,
+        available,
+    };
+    assert_eq!(parse_error(&bytes[..whole - 1]), length(whole, whole - 1));
+    for found in 0..PREFIX_BYTES + CHECKSUM_BYTES {
+        let expected = ModelError::TooShort {
+            expected: 17,
+            found,
+        };
+        assert_eq!(parse_error(&bytes[..found]), expected);
     }
     let mut longer = bytes;
     longer.push(0);
-    longer[9..13].copy_from_slice(&(declared as u32 + 1).to_le_bytes());
+    longer[9..13].copy_from_slice(&(whole as u32 + 1).to_le_bytes());
     assert!(matches!(parse_error(&longer), ModelError::Checksum { .. }));
     longer[9..13].copy_from_slice(&3_u32.to_le_bytes());
-    assert_eq!(
-        parse_error(&longer),
-        ModelError::Length {
-            declared: 3,
-            available: longer.len()
-        }
-    );
+    assert_eq!(parse_error(&longer), length(3, whole + 1));
 }
 
 #[test]
@@ -255,11 +227,9 @@ fn a_wrong_checksum_shows_both() {
     let last = bytes.len() - 1;
     let expected = u32::from_le_bytes(bytes[last - 3..].try_into().unwrap());
     bytes[last] ^= 0x80;
+    let found = expected ^ 0x8000_0000;
     assert_eq!(
         parse_error(&bytes),
-        ModelError::Checksum {
-            expected,
-            found: expected ^ 0x8000_0000
-        }
+        ModelError::Checksum { expected, found }
     );
 }

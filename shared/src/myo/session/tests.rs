@@ -6,6 +6,7 @@ use crate::myo::Uuid;
 use crate::myo::characteristic::Characteristic::{self, BatteryLevel, Emg, Imu};
 use crate::myo::command::ArmbandCommand;
 use crate::myo::lane::Lane;
+use crate::myo::progress::RadioProgress;
 use crate::myo::set_up::write;
 use alloc::vec::Vec;
 
@@ -13,7 +14,7 @@ mod binding;
 mod connecting;
 mod streaming;
 
-const NEAR: Address = address(1);
+pub(in crate::myo) const NEAR: Address = address(1);
 const FAR: Address = address(2);
 const NEVER_SLEEP: Action = write(ArmbandCommand::NeverSleep);
 const SET_MODE: Action = write(ArmbandCommand::SetMode(EmgMode::Filtered, false));
@@ -26,29 +27,44 @@ pub(in crate::myo) const ANY: Settings = Settings {
     imu: false,
 };
 /// A value of the Firmware Version of a real armband: 1.5.1970, rev D.
-pub(in crate::myo) const FIRMWARE: [u8; 8] = [1, 0, 5, 0, 0xb2, 0x07, 2, 0];
+const FIRMWARE: [u8; 8] = [1, 0, 5, 0, 0xb2, 0x07, 2, 0];
 
-pub(in crate::myo) const fn address(last: u8) -> Address {
+const fn address(last: u8) -> Address {
     Address {
         kind: AddressKind::Public,
         bytes: [last, 0, 0, 0, 0, 0xfa],
     }
 }
 
-pub(in crate::myo) fn advertisement() -> [u8; 18] {
+fn advertisement() -> [u8; 18] {
     let mut data = [0; 18];
     data[..2].copy_from_slice(&[17, 0x06]);
     data[2..].copy_from_slice(&Uuid::CONTROL.to_le_bytes());
     data
 }
 
-pub(in crate::myo) fn everything() -> Found {
+fn everything() -> Found {
     Characteristic::ALL.into_iter().collect()
+}
+
+fn everything_but(absent: Characteristic) -> Found {
+    let all = Characteristic::ALL.into_iter();
+    all.filter(|one| *one != absent).collect()
 }
 
 const fn lane(number: u8) -> Characteristic {
     Emg(Lane::ALL[number as usize])
 }
+
+/// Advertisement of something else, stronger than any armband.
+const NO_ARMBAND: MyoEvent<'_> = MyoEvent::Advertisement {
+    address: address(9),
+    rssi: -1,
+    data: b"\x04\x09Myo",
+};
+
+/// End of a stream by the session.
+const CLOSED: [Action; 2] = [Action::Disconnect, Action::StreamEnded];
 
 /// End of a scan that has found this armband.
 const fn connect(armband: Address) -> [Action; 2] {
@@ -71,20 +87,24 @@ fn answers(done: usize) -> impl Iterator<Item = MyoEvent<'static>> {
 }
 
 /// A session, and the radio's side of it.
-struct Driver {
-    session: MyoSession,
+pub(in crate::myo) struct Driver {
+    pub(in crate::myo) session: MyoSession,
+    pub(in crate::myo) progress: RadioProgress,
 }
 
 impl Driver {
-    fn new(settings: Settings) -> Self {
-        let session = MyoSession::new(settings);
-        Self { session }
+    pub(in crate::myo) fn new(settings: Settings) -> Self {
+        Self {
+            session: MyoSession::new(settings),
+            progress: RadioProgress::default(),
+        }
     }
 
-    fn handle(&mut self, now: u32, event: MyoEvent<'_>) -> Vec<Action> {
+    pub(in crate::myo) fn handle(&mut self, now: u32, event: MyoEvent<'_>) -> Vec<Action> {
         let mut actions = Vec::new();
         let act = &mut |action| actions.push(action);
         self.session.handle(Millis(now), event, act);
+        self.progress.handled(Millis(now), event, &self.session);
         actions
     }
 
@@ -96,16 +116,19 @@ impl Driver {
         }
     }
 
-    fn advertise(&mut self, now: u32, address: Address, rssi: i8) -> Vec<Action> {
+    pub(in crate::myo) fn advertise(
+        &mut self,
+        now: u32,
+        address: Address,
+        rssi: i8,
+    ) -> Vec<Action> {
         let data = &advertisement();
-        self.handle(
-            now,
-            MyoEvent::Advertisement {
-                address,
-                rssi,
-                data,
-            },
-        )
+        let event = MyoEvent::Advertisement {
+            address,
+            rssi,
+            data,
+        };
+        self.handle(now, event)
     }
 
     /// Scans from `now`, when a scan is due, and connects.
@@ -129,7 +152,7 @@ impl Driver {
     }
 
     /// Like `discovered`, and on to a stream, at `now` + 501.
-    fn streaming(&mut self, now: u32) {
+    pub(in crate::myo) fn streaming(&mut self, now: u32) {
         self.discovered(now, everything());
         let (firmware, battery) = (MyoEvent::Read(&FIRMWARE), MyoEvent::Read(&[80]));
         let at = now + 501;
@@ -154,10 +177,24 @@ impl Driver {
     }
 
     /// Notification `number`, in its lane.
-    fn emg(&mut self, now: u32, number: u32) -> Vec<Action> {
+    pub(in crate::myo) fn emg(&mut self, now: u32, number: u32) -> Vec<Action> {
         let characteristic = lane((number % 4) as u8);
         self.handle(now, notification(characteristic, &[number as u8; 16]))
     }
+}
+
+/// A session that has found everything, and reads the firmware version.
+fn discovered() -> Driver {
+    let mut driver = Driver::new(ANY);
+    driver.discovered(0, everything());
+    driver
+}
+
+/// A session that streams from 501 ms on.
+fn streaming() -> Driver {
+    let mut driver = Driver::new(ANY);
+    driver.streaming(0);
+    driver
 }
 
 fn deliver(number: u8) -> Action {
@@ -200,10 +237,6 @@ fn the_mode_is_the_settings() {
 #[test]
 fn an_armband_without_a_characteristic_is_disconnected() {
     for absent in Characteristic::ALL {
-        let found: Found = Characteristic::ALL
-            .into_iter()
-            .filter(|one| *one != absent)
-            .collect();
         let mut driver = Driver::new(ANY);
         driver.connecting(0);
         driver.handle(501, MyoEvent::Connected);
@@ -212,21 +245,15 @@ fn an_armband_without_a_characteristic_is_disconnected() {
         } else {
             Action::Disconnect
         };
-        assert_eq!(
-            driver.handle(501, MyoEvent::Discovered(found)),
-            [expected],
-            "{absent:?}"
-        );
+        let discovered = MyoEvent::Discovered(everything_but(absent));
+        assert_eq!(driver.handle(501, discovered), [expected], "{absent:?}");
     }
 }
 
 #[test]
 fn without_a_battery_two_steps_are_skipped() {
-    let found = Characteristic::ALL
-        .into_iter()
-        .filter(|one| *one != BatteryLevel);
     let mut driver = Driver::new(ANY);
-    driver.discovered(0, found.collect());
+    driver.discovered(0, everything_but(BatteryLevel));
     let first = driver.handle(502, MyoEvent::Read(&FIRMWARE));
     assert_eq!(first, [Action::Subscribe(lane(0))]);
     let lanes = [1, 2, 3].map(|number| Action::Subscribe(lane(number)));
@@ -238,8 +265,7 @@ fn without_a_battery_two_steps_are_skipped() {
 #[test]
 fn a_battery_that_fails_does_not_matter() {
     for answer in [MyoEvent::Failed, MyoEvent::Read(&[])] {
-        let mut driver = Driver::new(ANY);
-        driver.discovered(0, everything());
+        let mut driver = discovered();
         driver.handle(502, MyoEvent::Read(&FIRMWARE));
         let lanes = [answer, MyoEvent::Done, MyoEvent::Done, MyoEvent::Done];
         for (number, answer) in (0..).zip(lanes) {
@@ -255,8 +281,7 @@ fn a_battery_that_fails_does_not_matter() {
 #[test]
 fn a_step_that_fails_ends_the_connection() {
     for steps in 0..7 {
-        let mut driver = Driver::new(ANY);
-        driver.discovered(0, everything());
+        let mut driver = discovered();
         // The battery's are optional: the read is step 1, the subscription step 6.
         for answer in answers(6).take(if steps == 0 { 0 } else { steps + 1 }) {
             driver.handle(502, answer);
@@ -273,14 +298,10 @@ fn a_step_that_fails_ends_the_connection() {
 
 #[test]
 fn firmware_of_major_0_is_refused_for_a_minute() {
-    let mut driver = Driver::new(ANY);
-    driver.discovered(0, everything());
+    let mut driver = discovered();
+    let old = MyoEvent::Read(&[0, 0, 8, 0, 0, 0, 1, 0]);
     driver.run(&[
-        (
-            502,
-            MyoEvent::Read(&[0, 0, 8, 0, 0, 0, 1, 0]),
-            &[Action::Disconnect],
-        ),
+        (502, old, &[Action::Disconnect]),
         (510, MyoEvent::Disconnected, &[]),
         (60_509, MyoEvent::Tick, &[]),
         (60_510, MyoEvent::Tick, &[Action::Scan]),
@@ -291,16 +312,11 @@ fn firmware_of_major_0_is_refused_for_a_minute() {
 
 #[test]
 fn a_firmware_version_too_short_is_malformed() {
-    let mut driver = Driver::new(ANY);
-    driver.discovered(0, everything());
+    let mut driver = discovered();
     let actions = driver.handle(502, MyoEvent::Read(&FIRMWARE[..7]));
     assert_eq!(actions, [Action::Disconnect]);
-    let Counters {
-        malformed,
-        failed_set_ups,
-        ..
-    } = driver.session.counters();
-    assert_eq!((malformed, failed_set_ups), (1, 1));
+    let counters = driver.session.counters();
+    assert_eq!((counters.malformed, counters.failed_set_ups), (1, 1));
 }
 
 #[test]

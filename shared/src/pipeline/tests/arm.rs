@@ -110,10 +110,8 @@ fn the_arm_that_is_told_is_not_asked_of_the_model_whatever_is_in_force() {
             let (_, news) = run(&mut pipeline, &stream(worn, 1500), 0..1500);
             assert!(pipeline.arm_decision().is_none());
             let last = news.last().unwrap();
-            assert_eq!(
-                (last.state, last.alignment),
-                (AlignmentState::Aligned, worn)
-            );
+            assert_eq!(last.state, AlignmentState::Aligned);
+            assert_eq!(last.alignment, worn);
         }
     }
 }

@@ -60,10 +60,8 @@ fn an_early_label_keeps_its_class_where_the_samples_are_taken_again_at_once() {
     let changes = labels.windows(2).filter(|two| two[0].1 != two[1].1);
     let changes: Vec<_> = changes.map(|two| [two[0].0, two[1].0]).collect();
     assert_eq!(changes.len(), 2, "to open and to relax: {labels:?}");
-    assert!(
-        changes.iter().all(|[before, after]| before < after),
-        "{changes:?}"
-    );
+    let rising = changes.iter().all(|[before, after]| before < after);
+    assert!(rising, "{changes:?}");
 }
 
 #[test]

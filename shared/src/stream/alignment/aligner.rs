@@ -133,12 +133,8 @@ mod tests {
     const REST: [u8; CHANNELS] = [2; CHANNELS];
 
     /// The last progress but `Waiting`, and the patches until it is done.
-    fn run(
-        arm: Arm,
-        template: &Template,
-        phases: &[([u8; CHANNELS], usize)],
-    ) -> (AlignmentProgress, usize) {
-        let mut aligner = Aligner::new(arm);
+    fn run(template: &Template, phases: &[([u8; CHANNELS], usize)]) -> (AlignmentProgress, usize) {
+        let mut aligner = Aligner::new(Arm::Unknown);
         let mut last = AlignmentProgress::Waiting;
         let mut taken = 0;
         for &(sample, patches) in phases {
@@ -157,27 +153,15 @@ mod tests {
         (last, taken)
     }
 
-    fn two(arm: Arm, template: &Template, open: [u8; CHANNELS]) -> AlignmentProgress {
-        run(
-            arm,
-            template,
-            &[(REST, 20), (open, 20), (REST, 20), (open, 20), (REST, 20)],
-        )
-        .0
-    }
-
-    /// A template that is nearly the same mirrored, and means whose profile it is.
-    fn symmetrical() -> (Template, [u8; CHANNELS]) {
-        (
-            Template::round([400, 200, 0, -200, -300, -200, 0, 200], 10).unwrap(),
-            [58, 34, 20, 12, 9, 12, 20, 34],
-        )
+    fn two(template: &Template, open: [u8; CHANNELS]) -> AlignmentProgress {
+        let phases = [(REST, 20), (open, 20), (REST, 20), (open, 20), (REST, 20)];
+        run(template, &phases).0
     }
 
     #[test]
     fn two_openings_align_whatever_the_placement() {
         for alignment in Alignment::all() {
-            match two(Arm::Unknown, &template(), alignment.inverse().apply(OPEN)) {
+            match two(&template(), alignment.inverse().apply(OPEN)) {
                 AlignmentProgress::Done(AlignmentOutcome::Aligned(fit)) => {
                     assert_eq!(fit.alignment, alignment)
                 }
@@ -188,50 +172,32 @@ mod tests {
 
     #[test]
     fn one_opening_is_not_enough_and_time_runs_out() {
-        let one = run(
-            Arm::Unknown,
-            &template(),
-            &[(REST, 20), (OPEN, 20), (REST, 100)],
-        );
-        assert_eq!(one.0, AlignmentProgress::Gesture);
-        let late = run(
-            Arm::Unknown,
-            &template(),
-            &[(REST, 20), (OPEN, 20), (REST, 1000)],
-        );
-        assert_eq!(
-            late,
-            (AlignmentProgress::Done(AlignmentOutcome::Timeout), 600)
-        );
+        let rest_for = |patches| run(&template(), &[(REST, 20), (OPEN, 20), (REST, patches)]);
+        assert_eq!(rest_for(100).0, AlignmentProgress::Gesture);
+        let late = AlignmentProgress::Done(AlignmentOutcome::Timeout);
+        assert_eq!(rest_for(1000), (late, 600));
     }
 
     #[test]
     fn what_looks_like_no_open_hand_is_poor() {
-        let far = two(Arm::Unknown, &template(), [127, 1, 60, 1, 60, 1, 60, 1]);
-        assert!(
-            matches!(
-                far,
-                AlignmentProgress::Done(AlignmentOutcome::Poor(_, Poor::Distance))
-            ),
-            "{far:?}"
-        );
+        let poor = |template: &Template, open| match two(template, open) {
+            AlignmentProgress::Done(AlignmentOutcome::Poor(_, poor)) => poor,
+            other => panic!("{other:?}"),
+        };
+        let far = poor(&template(), [127, 1, 60, 1, 60, 1, 60, 1]);
+        assert_eq!(far, Poor::Distance);
         // As strong all round, and a template so wide that it is near.
-        let flat = two(Arm::Unknown, &template_of(1), [20; CHANNELS]);
-        assert!(
-            matches!(
-                flat,
-                AlignmentProgress::Done(AlignmentOutcome::Poor(_, Poor::Margin))
-            ),
-            "{flat:?}"
-        );
+        assert_eq!(poor(&template_of(1), [20; CHANNELS]), Poor::Margin);
     }
 
     #[test]
     fn an_opening_that_is_nearly_symmetrical_does_not_tell_the_arm() {
-        let (symmetrical, open) = symmetrical();
+        let mean = [400, 200, 0, -200, -300, -200, 0, 200];
+        let symmetrical = Template::round(mean, 10).unwrap();
+        let open = [58, 34, 20, 12, 9, 12, 20, 34];
         for alignment in Alignment::all() {
             let other = Alignment::new(alignment.turn(), !alignment.mirrored());
-            match two(Arm::Unknown, &symmetrical, alignment.inverse().apply(open)) {
+            match two(&symmetrical, alignment.inverse().apply(open)) {
                 AlignmentProgress::Undecided(decision) => {
                     let fits = decision.fits();
                     let found = [fits.nearest, fits.other_arm].map(|fit| fit.alignment);

@@ -214,12 +214,8 @@ mod tests {
             ([-2.0, -1.3], OTHER_ARM),
             ([9.0, -9.0], NEAREST),
         ] {
-            let found = outcome(FITS, ACTIVE, leads);
-            assert_eq!(
-                found,
-                Some(AlignmentOutcome::Aligned(expected)),
-                "{leads:?}"
-            );
+            let expected = Some(AlignmentOutcome::Aligned(expected));
+            assert_eq!(outcome(FITS, ACTIVE, leads), expected, "{leads:?}");
         }
     }
 

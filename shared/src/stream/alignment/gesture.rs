@@ -162,13 +162,8 @@ mod tests {
     fn activity_between_rest_is_a_gesture_with_its_means() {
         let found = gestures(&[(3, 20), (30, 30), (3, 20), (20, 30), (3, 10)]);
         let means: Vec<_> = found.iter().map(|gesture| gesture.means(1)).collect();
-        assert_eq!(
-            means,
-            [
-                [60, 30, 30, 30, 30, 30, 30, 30],
-                [40, 20, 20, 20, 20, 20, 20, 20]
-            ]
-        );
+        let [strong, weak] = [30, 20].map(|level| [2, 1, 1, 1, 1, 1, 1, 1].map(|k| k * level));
+        assert_eq!(means, [strong, weak]);
         assert_eq!(found[0].means(64)[1], 30 * 64);
     }
 
@@ -195,11 +190,9 @@ mod tests {
     #[test]
     fn a_long_gesture_is_given_once_after_three_seconds() {
         assert_eq!(gestures(&[(3, 20), (30, 55)]).len(), 0);
-        assert_eq!(gestures(&[(3, 20), (30, 300), (3, 20)]).len(), 1);
-        assert_eq!(
-            gestures(&[(3, 20), (30, 300), (3, 20), (30, 20), (3, 20)]).len(),
-            2
-        );
+        let long = [(3, 20), (30, 300), (3, 20), (30, 20), (3, 20)];
+        assert_eq!(gestures(&long[..3]).len(), 1);
+        assert_eq!(gestures(&long).len(), 2);
     }
 
     #[test]

@@ -151,14 +151,9 @@ mod tests {
 
     #[test]
     fn electrodes_come_from_where_the_definition_says() {
-        assert_eq!(
-            Alignment::new(3, false).apply(NUMBERS),
-            [3, 4, 5, 6, 7, 0, 1, 2]
-        );
-        assert_eq!(
-            Alignment::new(3, true).apply(NUMBERS),
-            [3, 2, 1, 0, 7, 6, 5, 4]
-        );
+        let [turned, mirrored] = [false, true].map(|own| Alignment::new(3, own).apply(NUMBERS));
+        assert_eq!(turned, [3, 4, 5, 6, 7, 0, 1, 2]);
+        assert_eq!(mirrored, [3, 2, 1, 0, 7, 6, 5, 4]);
         assert_eq!(Alignment::default(), Alignment::NONE);
         assert_eq!(Alignment::NONE.apply(NUMBERS), NUMBERS);
         assert_eq!(Alignment::new(11, true), Alignment::new(3, true));

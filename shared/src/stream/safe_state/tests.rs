@@ -1,6 +1,7 @@
 //! The safe state as tables: events with their times, and the expected change of state.
 
 use super::*;
+use SafetyEvent::{Disconnected, Installed, NoLabel, NoModel, Sample, Tick};
 
 /// Time, event and expected change of state.
 type Trace<'a> = &'a [(u32, SafetyEvent, Option<Status>)];
@@ -34,7 +35,7 @@ fn only_a_label_of_a_running_stream_leaves_the_safe_state() {
         Cause::Boot,
         &[
             (0, LABEL, None),
-            (5, SafetyEvent::Sample, None),
+            (5, Sample, None),
             (7, LABEL, OPEN),
             (8, SafetyEvent::Label(Intent::Close), None),
         ],
@@ -47,15 +48,15 @@ fn silence_of_200_ms_is_safe_and_of_199_is_not() {
     run(
         Cause::Watchdog,
         &[
-            (1000, SafetyEvent::Sample, None),
+            (1000, Sample, None),
             (1000, LABEL, OPEN),
-            (1199, SafetyEvent::Tick, None),
-            (1200, SafetyEvent::Tick, safe(Cause::Silence)),
+            (1199, Tick, None),
+            (1200, Tick, safe(Cause::Silence)),
             (1300, LABEL, None),
-            (1301, SafetyEvent::Sample, None),
+            (1301, Sample, None),
             (1302, LABEL, OPEN),
             // The silence is reported even if the sample that ends it arrives before a tick.
-            (1600, SafetyEvent::Sample, safe(Cause::Silence)),
+            (1600, Sample, safe(Cause::Silence)),
         ],
     );
 }
@@ -65,23 +66,19 @@ fn a_gap_and_a_disconnection_have_causes_of_their_own() {
     let state = run(
         Cause::Boot,
         &[
-            (0, SafetyEvent::Sample, None),
+            (0, Sample, None),
             (0, LABEL, OPEN),
-            (5, SafetyEvent::NoLabel(Cause::Gap), safe(Cause::Gap)),
+            (5, NoLabel(Cause::Gap), safe(Cause::Gap)),
             (6, LABEL, OPEN),
-            (7, SafetyEvent::NoLabel(Cause::Losses), safe(Cause::Losses)),
+            (7, NoLabel(Cause::Losses), safe(Cause::Losses)),
             (8, LABEL, OPEN),
-            (
-                8,
-                SafetyEvent::NoLabel(Cause::Stalled),
-                safe(Cause::Stalled),
-            ),
+            (8, NoLabel(Cause::Stalled), safe(Cause::Stalled)),
             (8, LABEL, OPEN),
-            (9, SafetyEvent::Disconnected, safe(Cause::Disconnected)),
-            (10, SafetyEvent::Disconnected, None),
+            (9, Disconnected, safe(Cause::Disconnected)),
+            (10, Disconnected, None),
             (11, LABEL, None),
             // After a disconnection there is no silence.
-            (5000, SafetyEvent::Tick, None),
+            (5000, Tick, None),
         ],
     );
     assert_eq!(state.deadline(), None);
@@ -92,15 +89,11 @@ fn a_refused_model_stays_refused() {
     run(
         Cause::Boot,
         &[
-            (
-                0,
-                SafetyEvent::NoModel(Cause::ModelRefused),
-                safe(Cause::ModelRefused),
-            ),
-            (1, SafetyEvent::Sample, None),
+            (0, NoModel(Cause::ModelRefused), safe(Cause::ModelRefused)),
+            (1, Sample, None),
             (2, LABEL, None),
-            (3, SafetyEvent::NoLabel(Cause::Gap), None),
-            (4, SafetyEvent::Disconnected, None),
+            (3, NoLabel(Cause::Gap), None),
+            (4, Disconnected, None),
         ],
     );
 }
@@ -110,34 +103,22 @@ fn nothing_leaves_an_installation_but_its_end_and_a_label() {
     let state = run(
         Cause::Boot,
         &[
-            (0, SafetyEvent::Sample, None),
+            (0, Sample, None),
             (1, LABEL, OPEN),
-            (
-                2,
-                SafetyEvent::NoModel(Cause::Installation),
-                safe(Cause::Installation),
-            ),
-            (3, SafetyEvent::Sample, None),
+            (2, NoModel(Cause::Installation), safe(Cause::Installation)),
+            (3, Sample, None),
             (4, LABEL, None),
-            (5, SafetyEvent::NoLabel(Cause::Gap), None),
-            (6, SafetyEvent::NoLabel(Cause::Stalled), None),
-            (7, SafetyEvent::Disconnected, None),
-            (8, SafetyEvent::Sample, None),
-            (9, SafetyEvent::Installed, None),
+            (5, NoLabel(Cause::Gap), None),
+            (6, NoLabel(Cause::Stalled), None),
+            (7, Disconnected, None),
+            (8, Sample, None),
+            (9, Installed, None),
             (10, LABEL, OPEN),
-            (
-                11,
-                SafetyEvent::NoModel(Cause::Installation),
-                safe(Cause::Installation),
-            ),
-            (
-                12,
-                SafetyEvent::NoModel(Cause::ModelRefused),
-                safe(Cause::ModelRefused),
-            ),
+            (11, NoModel(Cause::Installation), safe(Cause::Installation)),
+            (12, NoModel(Cause::ModelRefused), safe(Cause::ModelRefused)),
             (13, LABEL, None),
-            (14, SafetyEvent::Installed, None),
-            (15, SafetyEvent::NoLabel(Cause::Gap), safe(Cause::Gap)),
+            (14, Installed, None),
+            (15, NoLabel(Cause::Gap), safe(Cause::Gap)),
         ],
     );
     assert_eq!(state.status(), Status::Safe(Cause::Gap));
@@ -146,7 +127,7 @@ fn nothing_leaves_an_installation_but_its_end_and_a_label() {
 #[test]
 fn silence_is_measured_across_the_clock_wrap() {
     let mut state = SafeState::new(Cause::Boot);
-    state.handle(Millis(u32::MAX - 99), SafetyEvent::Sample);
+    state.handle(Millis(u32::MAX - 99), Sample);
     assert_eq!(state.deadline(), Some(Millis(100)));
     assert!(!state.silent(Millis(99)));
     assert!(state.silent(Millis(100)));

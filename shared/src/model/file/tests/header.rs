@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::model::file::wire_aggregation::WireAggregation;
+use alloc::format;
 
 #[test]
 fn every_number_has_its_range() {
@@ -40,57 +41,49 @@ fn every_number_has_its_range() {
 fn every_other_field_has_its_refusal() {
     for width in [0, 8, 20, 136, 65_528] {
         let found = width.into();
-        refuses(|header| header.width = width, ModelError::Width { found });
+        refuses(ModelError::Width { found }, |header| header.width = width);
     }
     for classes in [0, 2, 4, 7] {
         let found = classes.into();
-        refuses(
-            |header| header.classes = classes,
-            ModelError::Classes { found },
-        );
+        refuses(ModelError::Classes { found }, |header| {
+            header.classes = classes
+        });
     }
     for found in [0, 2, 5] {
-        refuses(
-            |header| header.median_width = found,
-            ModelError::MedianWidth { found },
-        );
+        refuses(ModelError::MedianWidth { found }, |header| {
+            header.median_width = found
+        });
     }
-    let found = 50.5;
-    refuses(
-        |header| header.entry_margins[1..].fill(found),
-        ModelError::EntryMargin { found },
-    );
-    let found = 1.0;
-    refuses(
-        |header| header.entry_margins[2] = found,
-        ModelError::EntryMargin { found },
-    );
+    let margin = |found| ModelError::EntryMargin { found };
+    refuses(margin(50.5), |header| header.entry_margins[1..].fill(50.5));
+    refuses(margin(1.0), |header| header.entry_margins[2] = 1.0);
     for (margins, found) in [
         ([50.5, 0.5, 1.0, 0.5], 50.5),
         ([0.5, -0.5, 1.0, 0.5], -0.5),
         ([0.5, 0.5, 0.9, 0.5], 0.9),
         ([0.5, 0.5, 1.0, 0.6], 0.6),
     ] {
-        refuses(
-            |header| header.aggregation = WireAggregation::SameInstantEarly(margins),
-            ModelError::EarlyMargin { found },
-        );
+        let early = WireAggregation::SameInstantEarly(margins);
+        refuses(ModelError::EarlyMargin { found }, |header| {
+            header.aggregation = early
+        });
     }
     for found in [-50.5, 50.5, f32::INFINITY] {
-        refuses(
-            |header| header.other_margin = Some(found),
-            ModelError::OtherMargin { found },
-        );
+        refuses(ModelError::OtherMargin { found }, |header| {
+            header.other_margin = Some(found)
+        });
     }
 }
 
 #[test]
 fn a_receptive_field_longer_than_the_window_is_refused() {
-    // 2 x 28 + 1 patches and five more of look-back are 62.
-    refuses(
-        |header| (header.layers, header.span) = (2, 29),
-        ModelError::ReceptiveField { found: 62 },
-    );
+    // 2 x 28 + 1 patches, or 3 x 19 + 1, and five more of look-back.
+    for (layers, span, found) in [(2, 29, 62), (3, 20, 63)] {
+        let expected = ModelError::ReceptiveField { found };
+        refuses(expected, |header| {
+            (header.layers, header.span) = (layers, span)
+        });
+    }
     // 60 fit; what fails then is the first tensor of the layer that the file does not have.
     let refused = header_refusal(|header| (header.layers, header.span) = (2, 28));
     assert!(
@@ -102,52 +95,37 @@ fn a_receptive_field_longer_than_the_window_is_refused() {
 #[test]
 fn class_names_must_be_the_vocabulary_in_order() {
     let two = list(["relax", "open"]);
-    refuses(
-        |header| header.class_names = &two,
-        ModelError::ClassCount {
-            expected: 3,
-            found: 2,
-        },
-    );
-    let swapped = list(["relax", "close", "open"]);
-    assert_eq!(
-        header_refusal(|header| header.class_names = &swapped).to_string(),
-        "class 1 is named `close`, expected `open`: train the vocabulary's order"
-    );
+    let (expected, found) = (3, 2);
+    let count = ModelError::ClassCount { expected, found };
+    refuses(count, |header| header.class_names = &two);
     // Cut at 16 bytes, never within a character.
-    let long = list(["relax", "fünfzehn Buchstäben und mehr", "close"]);
-    assert_eq!(
-        header_refusal(|header| header.class_names = &long).to_string(),
-        "class 1 is named `fünfzehn Buchst`, expected `open`: train the vocabulary's order"
-    );
+    for (name, shown) in [
+        ("close", "close"),
+        ("fünfzehn Buchstäben und mehr", "fünfzehn Buchst"),
+    ] {
+        let names = list(["relax", name, "close"]);
+        let refused = header_refusal(|header| header.class_names = &names);
+        let words =
+            format!("class 1 is named `{shown}`, expected `open`: train the vocabulary's order");
+        assert_eq!(refused.to_string(), words);
+    }
 }
 
 #[test]
 fn malformed_lists_and_texts_are_named() {
     // A text of five bytes of which one is there.
-    for field in [
-        "class_names",
-        "data_sets",
-        "subjects_seen",
-        "subjects_left_out",
-        "metrics",
-    ] {
-        let refused = header_refusal(|header| {
-            let place = match field {
-                "class_names" => &mut header.class_names,
-                "data_sets" => &mut header.data_sets,
-                "subjects_seen" => &mut header.subjects_seen,
-                "subjects_left_out" => &mut header.subjects_left_out,
-                _ => &mut header.metrics,
-            };
-            *place = &[5, b'x'];
-        });
-        assert_eq!(refused, ModelError::Header { field });
-    }
+    const TEXT: &[u8] = &[5, b'x'];
+    let named = |field| ModelError::Header { field };
+    refuses(named("class_names"), |header| header.class_names = TEXT);
+    refuses(named("data_sets"), |header| header.data_sets = TEXT);
+    refuses(named("subjects_seen"), |header| header.subjects_seen = TEXT);
+    refuses(named("subjects_left_out"), |header| {
+        header.subjects_left_out = TEXT
+    });
+    refuses(named("metrics"), |header| header.metrics = TEXT);
     let whole = small().emit();
     let cut = sealed(&whole[..PREFIX_BYTES + 20]);
-    let field = "header";
-    assert_eq!(parse_error(&cut), ModelError::Header { field });
+    assert_eq!(parse_error(&cut), named("header"));
 }
 
 #[test]

@@ -1,33 +1,48 @@
 //! Refusals of the tensors, and their rounding.
 
 use super::*;
-use alloc::format;
+
+/// Asserts that a changed model is refused in words that begin like these.
+#[track_caller]
+fn refused(words: &str, change: impl FnOnce(&mut ModelParts)) {
+    let found = refusal(change).to_string();
+    assert!(found.starts_with(words), "{words}: {found}");
+}
 
 #[test]
 fn tensors_of_a_wrong_length_are_named() {
-    for (refused, expected) in [
-        (
-            refusal(|parts| parts.embed.weights.truncate(1279)),
-            "embed.weights has 1279 bytes, expected 1280",
-        ),
-        (
-            refusal(|parts| parts.layers[0].qkv.scales.push(1.0)),
-            "layers[0].qkv.scales has 196 bytes, expected 192",
-        ),
-        (
-            refusal(|parts| parts.layers[0].relative_bias.truncate(19)),
-            "layers[0].relative_bias has 76 bytes, expected 80",
-        ),
-        (
-            refusal(|parts| parts.final_norm.gain.clear()),
-            "final_norm.gain has 0 bytes, expected 64",
-        ),
-    ] {
-        assert_eq!(
-            refused.to_string(),
-            format!("{expected}: export the model again")
-        );
-    }
+    let words = "embed.weights has 1279 bytes, expected 1280: export the model again";
+    refused(words, |own| own.embed.weights.truncate(1279));
+    let words = "layers[0].qkv.scales has 196 bytes, expected 192";
+    refused(words, |own| own.layers[0].qkv.scales.push(1.0));
+    let words = "layers[0].relative_bias has 76 bytes, expected 80";
+    refused(words, |own| own.layers[0].relative_bias.truncate(19));
+    let words = "final_norm.gain has 0 bytes, expected 64";
+    refused(words, |own| own.final_norm.gain.clear());
+}
+
+#[test]
+fn numbers_that_would_break_the_arithmetic_are_refused() {
+    let words = "layers[0].relative_bias holds NaN at 3, expected a number from -100 to 100: train the model again";
+    refused(words, |own| own.layers[0].relative_bias[3] = f32::NAN);
+    let words = "layers[0].norm2.gain holds -inf at 0, ";
+    refused(words, |own| own.layers[0].norm2.gain[0] = f32::NEG_INFINITY);
+    let words = "layers[0].qkv.scales holds 0 at 7";
+    refused(words, |own| own.layers[0].qkv.scales[7] = 0.0);
+    refused("head.scales holds -0.5 at 2, ", |own| {
+        own.head.scales[2] = -0.5
+    });
+    refused("embed.scales holds inf at 1, ", |own| {
+        own.embed.scales[1] = f32::INFINITY
+    });
+    refused("final_norm.bias holds -1000000000 at 1", |own| {
+        own.final_norm.bias[1] = -1e9
+    });
+    // Numbers of this size in every scale of the head make logits overflow to infinity, and a difference of two of
+    // them NaN.
+    refused("head.scales holds 101 at 0", |own| {
+        own.head.scales.fill(101.0)
+    });
 }
 
 #[test]
@@ -61,44 +76,6 @@ fn a_scale_may_be_zero_if_its_row_is_zero() {
     // One weight other than zero, in the row's last column.
     parts.layers[0].qkv.weights[8 * columns - 1] = 1;
     assert!(parts.to_bytes().is_err());
-}
-
-#[test]
-fn numbers_that_would_break_the_arithmetic_are_refused() {
-    for (refused, expected) in [
-        (
-            refusal(|parts| parts.head.scales[2] = -0.5),
-            "head.scales holds -0.5 at 2, ",
-        ),
-        (
-            refusal(|parts| parts.embed.scales[1] = f32::INFINITY),
-            "embed.scales holds inf at 1, ",
-        ),
-        (
-            refusal(|parts| parts.layers[0].relative_bias[3] = f32::NAN),
-            "layers[0].relative_bias holds NaN at 3, expected a number from -100 to 100: train the model again",
-        ),
-        (
-            refusal(|parts| parts.layers[0].norm2.gain[0] = f32::NEG_INFINITY),
-            "layers[0].norm2.gain holds -inf at 0, ",
-        ),
-        (
-            refusal(|parts| parts.layers[0].qkv.scales[7] = 0.0),
-            "layers[0].qkv.scales holds 0 at 7",
-        ),
-        // Numbers of this size in every scale of the head make logits overflow to infinity, and a difference of two of
-        // them NaN.
-        (
-            refusal(|parts| parts.head.scales.fill(101.0)),
-            "head.scales holds 101 at 0",
-        ),
-        (
-            refusal(|parts| parts.final_norm.bias[1] = -1e9),
-            "final_norm.bias holds -1000000000 at 1",
-        ),
-    ] {
-        assert!(refused.to_string().starts_with(expected), "{refused}");
-    }
 }
 
 #[test]

@@ -39,24 +39,21 @@ fn a_bound_armband_is_followed_and_never_a_stronger_one() {
 }
 
 #[test]
-fn the_strongest_armband_is_followed_where_the_settings_say_so() {
-    let mut driver = Driver::new(ANY);
-    let expected = [Action::Scan, Action::StopScan, Action::Connect(FAR)];
-    assert_eq!(after_two_armbands(&mut driver), expected);
-}
-
-#[test]
 fn the_settings_address_wins_over_the_bound_one_and_cannot_be_changed() {
     let mut driver = Driver::new(Settings {
-        pinned: Some(NEAR),
+        pinned: Address::parse("FA:00:00:00:00:01").ok(),
         bound: Some(FAR),
         ..ANY
     });
     assert_eq!(driver.handle(0, MyoEvent::Pair), [Action::Scan]);
     assert_eq!(driver.handle(1, MyoEvent::Bind(None)), []);
     assert_eq!(driver.advertise(2, FAR, -20), []);
-    assert_eq!(driver.advertise(3, NEAR, -90), connect(NEAR));
+    assert_eq!(driver.handle(2_000, MyoEvent::Tick), []);
     assert_eq!(driver.session.following(), Following::Pinned(NEAR));
+    // At once, and with the address kind of the report, not the assumed one.
+    let kind = AddressKind::Random;
+    let reported = Address { kind, ..NEAR };
+    assert_eq!(driver.advertise(2_001, reported, -90), connect(reported));
 }
 
 /// End of a pairing that has found this armband.
@@ -92,27 +89,15 @@ fn a_pairing_binds_the_strongest_armband_of_30_seconds() {
 
 #[test]
 fn a_pairing_without_an_armband_changes_nothing() {
+    let anew = [Action::StopScan, Action::Scan];
     for (settings, after, ends) in [
-        (
-            Settings::default(),
-            Following::Nobody,
-            &[Action::StopScan][..],
-        ),
-        (
-            BOUND,
-            Following::Bound(NEAR),
-            &[Action::StopScan, Action::Scan],
-        ),
+        (Settings::default(), Following::Nobody, &anew[..1]),
+        (BOUND, Following::Bound(NEAR), &anew),
     ] {
         let mut driver = Driver::new(settings);
         driver.handle(0, MyoEvent::Tick);
         driver.handle(1_000, MyoEvent::Pair);
-        let other = MyoEvent::Advertisement {
-            address: address(9),
-            rssi: -1,
-            data: b"\x04\x09Myo",
-        };
-        assert_eq!(driver.handle(2_000, other), []);
+        assert_eq!(driver.handle(2_000, NO_ARMBAND), []);
         assert_eq!(driver.handle(31_000, MyoEvent::Tick), ends);
         assert_eq!(driver.session.following(), after);
         assert!(driver.session.pairing_failed());
@@ -149,8 +134,7 @@ fn a_scan_that_ends_during_a_pairing_is_repeated_and_forgets_nobody() {
 
 #[test]
 fn binding_and_forgetting_end_the_connection_first() {
-    let mut driver = Driver::new(ANY);
-    driver.streaming(0);
+    let mut driver = streaming();
     let ended = [
         Action::Keep(Some(FAR)),
         Action::Disconnect,
@@ -174,13 +158,10 @@ fn binding_and_forgetting_end_the_connection_first() {
     assert_eq!(driver.advertise(2, NEAR, -10), []);
 
     let mut driver = Driver::new(BOUND);
+    let forgotten = [Action::Keep(None), Action::StopScan];
     driver.run(&[
         (0, MyoEvent::Tick, &[Action::Scan]),
-        (
-            1,
-            MyoEvent::Bind(None),
-            &[Action::Keep(None), Action::StopScan],
-        ),
+        (1, MyoEvent::Bind(None), &forgotten),
     ]);
     assert_eq!(driver.session.phase(), Phase::Unbound);
     assert_eq!(driver.advertise(2, NEAR, -10), []);

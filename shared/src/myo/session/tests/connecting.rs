@@ -9,31 +9,13 @@ fn the_strongest_armband_of_half_a_second_wins() {
         (0, MyoEvent::Tick, &[Action::Scan]),
         (9_000, MyoEvent::Tick, &[]),
     ]);
-    let other = MyoEvent::Advertisement {
-        address: address(9),
-        rssi: -1,
-        data: b"\x04\x09Myo",
-    };
-    assert_eq!(driver.handle(9_100, other), []);
+    assert_eq!(driver.handle(9_100, NO_ARMBAND), []);
     assert_eq!(driver.advertise(10_000, FAR, -80), []);
     assert_eq!(driver.advertise(10_100, address(3), 127), []); // signal strength unknown
     assert_eq!(driver.advertise(10_200, NEAR, -50), []);
     assert_eq!(driver.advertise(10_499, address(4), -60), []);
     assert_eq!(driver.handle(10_500, MyoEvent::Tick), connect(NEAR));
     assert_eq!(driver.advertise(10_501, address(5), -1), []);
-}
-
-#[test]
-fn a_pinned_armband_is_taken_at_once_and_no_other() {
-    let pinned = Address::parse("FA:00:00:00:00:01").ok();
-    let mut driver = Driver::new(Settings { pinned, ..ANY });
-    assert_eq!(driver.handle(0, MyoEvent::Tick), [Action::Scan]);
-    assert_eq!(driver.advertise(0, FAR, -20), []);
-    assert_eq!(driver.handle(2_000, MyoEvent::Tick), []);
-    // With the address kind of the report, not the assumed one.
-    let kind = AddressKind::Random;
-    let reported = Address { kind, ..NEAR };
-    assert_eq!(driver.advertise(2_001, reported, -90), connect(reported));
 }
 
 #[test]
@@ -85,19 +67,14 @@ fn a_stream_that_ran_makes_the_next_delay_short() {
 
 #[test]
 fn a_stream_without_emg_ends_too_and_backs_off_longer() {
-    let mut driver = Driver::new(ANY);
-    driver.streaming(0);
-    assert_eq!(
-        driver.handle(510, MyoEvent::Disconnected),
-        [Action::StreamEnded]
-    );
+    let mut driver = streaming();
+    driver.run(&[(510, MyoEvent::Disconnected, &[Action::StreamEnded])]);
     driver.streaming(810);
-    assert_eq!(
-        driver.handle(1_320, MyoEvent::Disconnected),
-        [Action::StreamEnded]
-    );
-    assert_eq!(driver.handle(1_919, MyoEvent::Tick), []);
-    assert_eq!(driver.handle(1_920, MyoEvent::Tick), [Action::Scan]);
+    driver.run(&[
+        (1_320, MyoEvent::Disconnected, &[Action::StreamEnded]),
+        (1_919, MyoEvent::Tick, &[]),
+        (1_920, MyoEvent::Tick, &[Action::Scan]),
+    ]);
 }
 
 #[test]

@@ -4,8 +4,7 @@ use super::*;
 
 #[test]
 fn emg_that_overtakes_the_answer_to_its_mode_counts() {
-    let mut driver = Driver::new(ANY);
-    driver.discovered(0, everything());
+    let mut driver = discovered();
     for answer in answers(5) {
         driver.handle(502, answer);
     }
@@ -21,8 +20,7 @@ fn emg_that_overtakes_the_answer_to_its_mode_counts() {
 
 #[test]
 fn never_sleep_is_written_every_ten_seconds() {
-    let mut driver = Driver::new(ANY);
-    driver.streaming(0);
+    let mut driver = streaming();
     let mut written = Vec::new();
     for number in 0..3_200 {
         let now = 501 + 10 * number;
@@ -38,32 +36,26 @@ fn never_sleep_is_written_every_ten_seconds() {
 
 #[test]
 fn a_write_that_is_never_answered_ends_the_stream() {
-    let mut driver = Driver::new(ANY);
-    driver.streaming(0);
+    let mut driver = streaming();
     let mut end = Vec::new();
     for number in 0..1_501 {
         end = driver.emg(501 + 10 * number, number);
         end.retain(|action| !matches!(action, Action::Deliver(_)));
     }
-    assert_eq!(end, [Action::Disconnect, Action::StreamEnded]);
+    assert_eq!(end, CLOSED);
     assert_eq!(driver.session.counters().timeouts, 1);
 }
 
 #[test]
 fn a_silent_stream_gets_its_mode_again_once_and_is_then_closed() {
-    let mut driver = Driver::new(ANY);
-    driver.streaming(0);
+    let mut driver = streaming();
     assert_eq!(driver.emg(510, 0), [deliver(0)]);
     driver.run(&[
         (1_009, MyoEvent::Tick, &[]),
         (1_010, MyoEvent::Tick, &[SET_MODE]),
         (1_011, MyoEvent::Done, &[]),
         (1_509, MyoEvent::Tick, &[]),
-        (
-            1_510,
-            MyoEvent::Tick,
-            &[Action::Disconnect, Action::StreamEnded],
-        ),
+        (1_510, MyoEvent::Tick, &CLOSED),
         (1_520, MyoEvent::Disconnected, &[]),
         (1_819, MyoEvent::Tick, &[]),
         (1_820, MyoEvent::Tick, &[Action::Scan]),
@@ -75,8 +67,7 @@ fn a_silent_stream_gets_its_mode_again_once_and_is_then_closed() {
 fn an_armband_may_begin_three_seconds_after_its_mode_is_set() {
     // Its first notification is awaited for four seconds, and as long again once the mode was set again.
     for (first, due) in [(3_501, 4_001), (7_501, 8_001)] {
-        let mut driver = Driver::new(ANY);
-        driver.streaming(0);
+        let mut driver = streaming();
         let mut actions = Vec::new();
         for now in (501..first).step_by(50) {
             let action = driver.handle(now, MyoEvent::Tick);
@@ -89,38 +80,27 @@ fn an_armband_may_begin_three_seconds_after_its_mode_is_set() {
         assert_eq!(driver.handle(due - 1, MyoEvent::Tick), []);
         assert_eq!(driver.handle(due, MyoEvent::Tick), [SET_MODE]);
     }
-    let mut driver = Driver::new(ANY);
-    driver.streaming(0);
+    let mut driver = streaming();
     assert_eq!(driver.handle(4_501, MyoEvent::Tick), [SET_MODE]);
     assert_eq!(driver.handle(4_502, MyoEvent::Done), []);
     assert_eq!(driver.handle(8_500, MyoEvent::Tick), []);
-    let closed = [Action::Disconnect, Action::StreamEnded];
-    assert_eq!(driver.handle(8_501, MyoEvent::Tick), closed);
+    assert_eq!(driver.handle(8_501, MyoEvent::Tick), CLOSED);
 }
 
 #[test]
 fn a_stream_that_resumes_after_the_mode_was_set_again_has_a_gap() {
-    let mut driver = Driver::new(ANY);
-    driver.streaming(0);
+    let mut driver = streaming();
     for number in 0..10 {
         assert_eq!(driver.emg(510 + 10 * number, number).len(), 1);
     }
     assert_eq!(driver.handle(1_100, MyoEvent::Tick), [SET_MODE]);
     assert_eq!(driver.handle(1_101, MyoEvent::Done), []);
     // 510 ms of silence: 51 were lost, and the next six cannot be placed.
-    let resumed: Vec<_> = (0..10)
-        .map(|n| driver.emg(1_120 + 10 * n, 61 + n))
-        .collect();
-    let actions: Vec<_> = resumed.concat();
+    let resumed = (0..10).flat_map(|n| driver.emg(1_120 + 10 * n, 61 + n));
     let missing = 2 * (51 + 6);
-    let expected = [
-        Action::Gap { missing },
-        deliver(67),
-        deliver(68),
-        deliver(69),
-        deliver(70),
-    ];
-    assert_eq!(actions, expected);
+    let delivered = [67, 68, 69, 70].map(deliver);
+    let expected = [&[Action::Gap { missing }][..], &delivered].concat();
+    assert_eq!(resumed.collect::<Vec<_>>(), expected);
     assert_eq!(driver.session.counters().given_up, 12);
     // Once per silence, not once per stream.
     assert_eq!(driver.handle(1_710, MyoEvent::Tick), [SET_MODE]);
@@ -128,8 +108,7 @@ fn a_stream_that_resumes_after_the_mode_was_set_again_has_a_gap() {
 
 #[test]
 fn short_long_and_foreign_values_are_handled_and_counted() {
-    let mut driver = Driver::new(ANY);
-    driver.streaming(0);
+    let mut driver = streaming();
     let mut notify =
         |now, characteristic, bytes: &[u8]| driver.handle(now, notification(characteristic, bytes));
     assert_eq!(notify(510, lane(0), &[0; 16]), [deliver(0)]);
@@ -145,40 +124,29 @@ fn short_long_and_foreign_values_are_handled_and_counted() {
         (session.battery(), session.battery_is_low()),
         (Some(10), true)
     );
-    let Counters {
-        malformed,
-        foreign,
-        lost,
-        ..
-    } = session.counters();
-    assert_eq!((malformed, foreign, lost), (2, 1, 2));
+    let counters = session.counters();
+    assert_eq!(
+        (counters.malformed, counters.foreign, counters.lost),
+        (2, 1, 2)
+    );
 }
 
 #[test]
 fn malformed_emg_alone_counts_as_silence() {
-    let mut driver = Driver::new(ANY);
-    driver.streaming(0);
+    let mut driver = streaming();
     let malformed = notification(lane(0), &[0; 3]);
-    let actions: Vec<_> = (0..110)
-        .map(|n| driver.handle(501 + 10 * n, malformed))
-        .collect();
-    assert_eq!(
-        actions.concat(),
-        [SET_MODE, Action::Disconnect, Action::StreamEnded]
-    );
+    let actions = (0..110).flat_map(|n| driver.handle(501 + 10 * n, malformed));
+    let expected = [&[SET_MODE][..], &CLOSED].concat();
+    assert_eq!(actions.collect::<Vec<_>>(), expected);
 }
 
 #[test]
 fn a_new_connection_starts_a_new_stream() {
-    let mut driver = Driver::new(ANY);
-    driver.streaming(0);
+    let mut driver = streaming();
     for number in 0..3 {
         driver.emg(510 + 10 * number, number);
     }
-    assert_eq!(
-        driver.handle(540, MyoEvent::Disconnected),
-        [Action::StreamEnded]
-    );
+    driver.run(&[(540, MyoEvent::Disconnected, &[Action::StreamEnded])]);
     assert_eq!(driver.session.battery(), Some(80)); // the last known value
     driver.streaming(840);
     // On any lane, without a gap: `StreamEnded` has reported the loss.
@@ -195,8 +163,7 @@ const MOVED: Action = Action::Imu(crate::myo::Imu([0x0101; 10]));
 
 #[test]
 fn the_imu_is_subscribed_to_and_set_in_the_mode_once_the_stream_runs_and_ends_with_the_wish() {
-    let mut driver = Driver::new(ANY);
-    driver.streaming(0);
+    let mut driver = streaming();
     // Nobody has asked.
     assert_eq!(driver.handle(502, MOVEMENT), []);
     assert_eq!(driver.session.counters().foreign, 1);
@@ -243,11 +210,7 @@ fn a_session_with_the_imu_asks_for_it_in_every_stream_and_its_movement_is_no_sig
         (1_009, MOVEMENT, &[MOVED]),
         (1_010, MyoEvent::Tick, &[WITH_IMU]),
         (1_011, MyoEvent::Done, &[]),
-        (
-            1_510,
-            MOVEMENT,
-            &[MOVED, Action::Disconnect, Action::StreamEnded],
-        ),
+        (1_510, MOVEMENT, &[MOVED, CLOSED[0], CLOSED[1]]),
         (1_511, MOVEMENT, &[]),
     ]);
 }

@@ -16,11 +16,8 @@ fn labels_after_another_model_are_those_of_a_pipeline_that_always_had_it() {
     let (encoder, smoother, input) = model_of(4);
     changed.resume(Millis(8500), encoder, smoother, input);
     assert!(!changed.status().valid());
-    assert_eq!(
-        changed.alignment(),
-        Alignment::new(3, false),
-        "the template is the same"
-    );
+    // The template is the same.
+    assert_eq!(changed.alignment(), Alignment::new(3, false));
     let after = run(&mut changed, &samples, 1700..3000).0;
 
     let mut always = real();
@@ -53,10 +50,8 @@ fn another_template_drops_the_alignment_and_another_normalization_the_window() {
     assert_eq!(pipeline.alignment(), Alignment::NONE);
     assert_eq!(pipeline.alignment_phase(), AlignmentPhase::None);
     let news = pipeline.take_alignment_report().unwrap();
-    assert_eq!(
-        (news.state, news.alignment),
-        (AlignmentState::Set, Alignment::NONE)
-    );
+    assert_eq!(news.state, AlignmentState::Set);
+    assert_eq!(news.alignment, Alignment::NONE);
     assert!(pipeline.window.ring.is_full());
 
     let (encoder, smoother, input) = model_of(4);
@@ -64,12 +59,9 @@ fn another_template_drops_the_alignment_and_another_normalization_the_window() {
     let mut other = input;
     other.preprocessing.normalized = true;
     pipeline.resume(Millis(7500), encoder, smoother, other);
-    assert!(
-        !pipeline.window.ring.is_full(),
-        "samples that were not normalized"
-    );
-    let report = pipeline.state_report();
-    assert_eq!(report.counters.resets, 1);
+    // The samples were not normalized.
+    assert!(!pipeline.window.ring.is_full());
+    assert_eq!(pipeline.state_report().counters.resets, 1);
 
     for index in 1500..2200 {
         let _ = pipeline.sample(Millis(index * 5), [20; 8]);

@@ -1,6 +1,6 @@
 //! Decisions that something ends before the model has decided.
 
-use AlignmentState::{Cancelled, Disconnected, PoorMargin, Waiting};
+use AlignmentState::{Cancelled, Disconnected, PoorMargin, Set, Waiting};
 
 use super::super::alignment::SmallEncoder;
 use super::*;
@@ -8,53 +8,41 @@ use super::*;
 /// Event during a pipeline's decision.
 type Event = fn(&mut Pipeline<'static, SmallEncoder>, Millis);
 
-/// Events that end a decision with nothing changed; the state that the line then says.
-const ENDS: [(&str, Event, AlignmentState); 8] = [
-    ("a gap", |own, now| _ = own.gap(now, 6), PoorMargin),
-    (
-        "silence",
-        |own, now| _ = own.tick(now.plus(600)),
-        PoorMargin,
-    ),
-    ("a stall", |own, now| _ = own.stalled(now), PoorMargin),
-    (
-        "disconnection",
-        |own, now| _ = own.disconnected(now),
-        Disconnected,
-    ),
-    ("installation", |own, now| _ = own.suspend(now), Cancelled),
-    (
-        "a refused model",
-        |own, now| _ = own.refuse_model(now),
-        Cancelled,
-    ),
-    ("a command", |own, _| own.cancel_alignment(), Cancelled),
-    (
-        "another beginning",
-        |own, _| own.begin_alignment(Arm::Unknown),
-        Waiting,
-    ),
+/// Events that end a decision: what the line then says.
+const ENDS: [(&str, AlignmentState, Event); 10] = [
+    ("a gap", PoorMargin, |own, now| _ = own.gap(now, 6)),
+    ("silence", PoorMargin, |own, now| {
+        _ = own.tick(now.plus(600))
+    }),
+    ("a stall", PoorMargin, |own, now| _ = own.stalled(now)),
+    ("disconnection", Disconnected, |own, now| {
+        _ = own.disconnected(now)
+    }),
+    ("installation", Cancelled, |own, now| _ = own.suspend(now)),
+    ("a refused model", Cancelled, |own, now| {
+        _ = own.refuse_model(now)
+    }),
+    ("a command", Cancelled, |own, _| own.cancel_alignment()),
+    ("another beginning", Waiting, |own, _| {
+        own.begin_alignment(Arm::Unknown)
+    }),
+    ("none that is set", Set, |own, _| {
+        own.set_alignment(Alignment::NONE)
+    }),
+    ("one that is set", Set, |own, _| {
+        own.set_alignment(Alignment::new(6, true))
+    }),
 ];
 
 /// Samples after the beginning of a decision: in its first patch, in the first placement, between both, in the second, in
 /// the last patch.
 const WHEN: [usize; 5] = [1, 20, 53, 80, 105];
 
-/// Labels of a stream from a sample on, once the encoder has taken the window again.
-fn labels_after(
-    mut pipeline: Pipeline<'static, SmallEncoder>,
-    samples: &[Sample],
-    end: usize,
-) -> Vec<(u32, Status)> {
-    let (reports, _) = run(&mut pipeline, samples, end..2400);
-    labels(reports, end as u32 + 31)
-}
-
 #[test]
-fn what_ends_a_decision_changes_nothing() {
+fn what_ends_a_decision_does_what_it_does_without_one() {
     let start = begins(undecided());
     let samples = stream(Alignment::new(3, true), 3000);
-    for (name, event, state) in ENDS {
+    for (name, state, event) in ENDS {
         for later in WHEN {
             let end = start + later;
             let [mut deciding, mut plain] = [(); 2].map(|()| undecided());
@@ -70,16 +58,14 @@ fn what_ends_a_decision_changes_nothing() {
             assert!(deciding.arm_decision().is_none(), "{name} {later}");
             let news = deciding.take_alignment_report().unwrap();
             assert_eq!(news.state, state, "{name} {later}");
-            assert_eq!(news.alignment, Alignment::NONE, "{name}");
             assert_eq!(news.quality.is_some(), state == PoorMargin);
-            let waits = state == Waiting;
-            let phase = [AlignmentPhase::None, AlignmentPhase::Waiting][usize::from(waits)];
-            assert_eq!(deciding.alignment_phase(), phase, "{name}");
-            assert_eq!(deciding.alignment(), Alignment::NONE);
-            deciding.cancel_alignment();
-            plain.cancel_alignment();
-            if !plain.has_model() {
-                for pipeline in [&mut deciding, &mut plain] {
+            assert_eq!(news.alignment, plain.alignment(), "{name}");
+            assert_eq!(deciding.alignment(), plain.alignment(), "{name}");
+            let phases = [&deciding, &plain].map(|pipeline| pipeline.alignment_phase());
+            assert_eq!(phases[0], phases[1], "{name}");
+            for pipeline in [&mut deciding, &mut plain] {
+                pipeline.cancel_alignment();
+                if !pipeline.has_model() {
                     let (encoder, smoother, input) = model_of(4);
                     let input = ModelInput {
                         template: Some(symmetrical()),
@@ -88,36 +74,13 @@ fn what_ends_a_decision_changes_nothing() {
                     pipeline.resume(at(end as u32 - 1), encoder, smoother, input);
                 }
             }
-            // As if there had been no alignment, once the encoder has taken the window again.
-            let [found, expected] =
-                [deciding, plain].map(|pipeline| labels_after(pipeline, &samples, end));
+            // Once the encoder has taken the window again.
+            let [found, expected] = [deciding, plain].map(|mut pipeline| {
+                let (reports, _) = run(&mut pipeline, &samples, end..2400);
+                labels(reports, end as u32 + 31)
+            });
             assert!(!found.is_empty(), "{name}");
             assert_eq!(found, expected, "{name} {later}");
-        }
-    }
-}
-
-#[test]
-fn an_alignment_that_is_set_stands_in_place_of_a_decision() {
-    let start = begins(undecided());
-    let samples = stream(Alignment::new(3, true), 3000);
-    for given in [Alignment::NONE, Alignment::new(6, true)] {
-        for later in WHEN {
-            let end = start + later;
-            let mut deciding = undecided();
-            deciding.begin_alignment(Arm::Unknown);
-            run(&mut deciding, &samples, 0..end);
-            assert!(deciding.arm_decision().is_some());
-            deciding.set_alignment(given);
-            let news = deciding.take_alignment_report().unwrap();
-            assert_eq!((news.state, news.alignment), (AlignmentState::Set, given));
-            assert_eq!(deciding.alignment_phase(), AlignmentPhase::Aligned);
-            let mut always = undecided();
-            always.set_alignment(given);
-            run(&mut always, &samples, 0..end);
-            let [found, expected] =
-                [deciding, always].map(|pipeline| labels_after(pipeline, &samples, end));
-            assert_eq!(found, expected, "{later}");
         }
     }
 }

@@ -55,7 +55,9 @@ impl Twin {
         } else {
             [
                 f64::from(entry) + early_entry * share,
-                f64::from(other.unwrap()) + early_other * share + caution * self.otherwise,
+                other.map_or(f64::NEG_INFINITY, |other| {
+                    f64::from(other) + early_other * share + caution * self.otherwise
+                }),
             ]
         }
     }
@@ -154,11 +156,13 @@ impl Twin {
     }
 }
 
-/// Margins with a fraction that no difference of whole logits has.
-fn any_margins() -> impl Strategy<Value = Settings> {
+/// No margins, or ones with a fraction that no difference of whole logits has.
+pub(super) fn any_margins() -> impl Strategy<Value = Settings> {
     let margin = || (0..4_u8).prop_map(|margin| f32::from(margin) + 0.137);
+    let entry = prop_oneof![Just(0.0), margin()];
+    let other = prop::option::weighted(0.7, margin());
     let early = prop::option::weighted(0.7, [margin(), margin(), margin()]);
-    (any_settings(), margin(), margin(), early).prop_map(|(settings, entry, other, early)| {
+    (any_settings(), entry, other, early).prop_map(|(settings, entry, other, early)| {
         let early = early.map(|[entry, other, caution]| Early {
             entry,
             other,
@@ -166,7 +170,7 @@ fn any_margins() -> impl Strategy<Value = Settings> {
         });
         let margins = Margins {
             entry,
-            other: Some(other),
+            other,
             early,
         };
         Settings {
@@ -178,7 +182,7 @@ fn any_margins() -> impl Strategy<Value = Settings> {
 
 /// Windows that follow one of their classes for some time, whole logits; those of relax have a fraction that no margin of
 /// relax has.
-fn any_intents() -> impl Strategy<Value = Vec<Rows>> {
+pub(super) fn any_intents() -> impl Strategy<Value = Vec<Rows>> {
     let noise = prop::array::uniform6(prop::array::uniform4(-3..4_i8));
     let stretch = (0..CLASSES, 0..8_i8, prop::collection::vec(noise, 1..12));
     prop::collection::vec(stretch, 1..8).prop_map(|stretches| {
@@ -257,21 +261,13 @@ proptest! {
 
 #[test]
 fn a_class_is_asked_for_more_after_other_movement_and_for_less_after_rest() {
-    let settings = Settings {
-        look_ahead: 5,
-        hold: 2,
-        row_samples: 10,
-        margins: Margins {
-            entry: 0.0,
-            other: Some(-1.5),
-            early: Some(Early {
-                entry: 0.0,
-                other: 0.0,
-                caution: 8.0,
-            }),
-        },
-        ..PLAIN
-    };
+    let mut settings = Settings::PAPER_IN_PATCHES;
+    settings.margins.other = Some(-1.5);
+    settings.margins.early = Some(Early {
+        entry: 0.0,
+        other: 0.0,
+        caution: 8.0,
+    });
     // The label of a class that other movement exceeds by 1, after `other` patches of it and `rest` of rest.
     let class = |other: usize, rest: usize| {
         let mut smoother = Smoother::<CLASSES, ROWS>::new(settings, USED).unwrap();
