@@ -14,12 +14,12 @@ from bumble.gatt import GATT_CLIENT_CHARACTERISTIC_CONFIGURATION_DESCRIPTOR
 from bumble.host import Host
 from bumble.transport.common import AsyncPipeSink
 
-from commands import CommandError, Settings
+from commands import STREAMING_MODES, CommandError, emg_mode
 from event_log import EventLog
-from gatt_table import BATTERY_LEVEL, CONTROL_SERVICE, EMG_DATA, FV_DATA, IMU_DATA, GattTable, Values, vendor_uuid
-from misbehaviour import Impairer, Packet, Script, Step
+from gatt_table import CONTROL_SERVICE, EMG_DATA, FV_DATA, GattTable, vendor_uuid
+from misbehaviour import Packet, Script, corrupted
 from radio import Radio
-from stream import Recording, Schedule, movement
+from stream import Recording, Schedule
 
 # ATT MTU of a Bluetooth 4.0 device: 20 bytes of value.
 MTU = 23
@@ -30,6 +30,10 @@ CONGESTION_POLL = 0.002
 # what it has not processed, but a script that ends the link before notification 100 means that the
 # host has got 99.
 HOST_DELAY = 0.1
+# Requests for connection parameters on a connection.
+REQUESTS = 3
+# Seconds to the next advertisement after a connection in which they were not answered.
+WAKE_AFTER = 1.0
 
 LOST = hci.HCI_ErrorCode.CONNECTION_TIMEOUT_ERROR
 HUNG_UP = hci.HCI_ErrorCode.REMOTE_USER_TERMINATED_CONNECTION_ERROR
@@ -38,44 +42,32 @@ REFUSED = hci.HCI_ErrorCode.CONNECTION_FAILED_TO_BE_ESTABLISHED_ERROR
 
 @dataclass
 class Options:
-    """Settings of the armband; the defaults are those of a usual one."""
+    """Settings of the armband."""
 
     pace: float = 1.0
-    first_lane: int = 0
-    battery: int = 80
-    firmware: tuple[int, int, int, int] = (1, 5, 1970, 2)
-    # Without the command "never sleep" it disconnects after this time, and advertises again later.
-    sleep_after: float = 30.0
-    wake_after: float = 1.0
-    end: str = "silence"
+    # Whether it ends the connection after the recording's last sample, and advertises no more.
+    disconnects: bool = False
     script: Script = field(default_factory=Script)
 
 
 class Armband:
-    """One armband. `done` is set at the end of the recording if the option `end` is "exit"."""
+    """One armband."""
 
     def __init__(self, radio: Radio, recording: Recording, options: Options, log: EventLog) -> None:
         self._radio = radio
         self._recording = recording
         self._options = options
         self._log = log
-        self._impairer = Impairer(options.script)
-        self._refusals = options.script.refusals
-        self._battery = options.battery
+        self._refusals = (options.script.habit("refuse") or {"count": 0})["count"]
         # The next notification of the recording; a new connection continues with it.
         self._next = 0
         self._ended = False
-        self._settings = Settings()
         self._connection: Connection | None = None
         self._streaming: asyncio.Task | None = None
-        self._sleep_timer: asyncio.TimerHandle | None = None
         # Seconds from the end of the connection to the next advertisement; never where none.
         self._advertise_after: float | None = 0.0
-        self.done = asyncio.Event()
 
-        self._table = GattTable(
-            Values(lambda: self._battery, self._on_command, firmware=options.firmware)
-        )
+        self._table = GattTable(self._on_command)
         config = DeviceConfiguration(
             name="Myo", gap_service_enabled=False, gatt_service_enabled=False
         )
@@ -86,7 +78,7 @@ class Armband:
         # Bumble carries out a Write Command on any attribute; an armband ignores it.
         self._server.on_att_write_command = self._on_write_command
         self._server.on("characteristic_subscription", self._on_subscription)
-        if options.script.hides_subscriptions:
+        if options.script.habit("hide-subscriptions"):
             for attribute in self._server.attributes:
                 if attribute.type == GATT_CLIENT_CHARACTERISTIC_CONFIGURATION_DESCRIPTOR:
                     # Bumble lets everything be read that needs no authorization.
@@ -122,20 +114,16 @@ class Armband:
             return
         self._log.write("connected")
         self._connection = connection
-        if self._options.script.chatter_ms is not None:
-            self._spawn(self._chatter(connection, self._options.script.chatter_ms / 1000))
-        if self._options.script.asks:
-            self._spawn(self._ask(connection, **self._options.script.asks))
+        if chatter := self._options.script.habit("chatter"):
+            self._spawn(self._chatter(connection, chatter["ms"] / 1000))
+        if asks := self._options.script.habit("ask-parameters"):
+            self._spawn(self._ask(connection, asks["first_ms"] / 1000, asks["every_ms"] / 1000))
         self._advertise_after = 0.0
-        self._plan_sleep()
 
     def _on_disconnection(self, reason: int) -> None:
         self._log.write("disconnected", reason=reason, next=self._next)
         self._connection = None
-        self._settings = Settings()
-        self._impairer.reset()
         self._stop_streaming()
-        self._plan_sleep()
         if self._advertise_after is not None:
             self._spawn(self._advertise_later(self._advertise_after))
 
@@ -148,18 +136,6 @@ class Armband:
         self._advertise_after = advertise_after
         self._radio.lose_link(reason)
 
-    def _plan_sleep(self) -> None:
-        if self._sleep_timer:
-            self._sleep_timer.cancel()
-            self._sleep_timer = None
-        if self._connection and not self._settings.never_sleep:
-            loop = asyncio.get_running_loop()
-            self._sleep_timer = loop.call_later(self._options.sleep_after, self._sleep)
-
-    def _sleep(self) -> None:
-        self._log.write("asleep")
-        self._disconnect(HUNG_UP, self._options.wake_after)
-
     async def _chatter(self, connection: Connection, period: float) -> None:
         """Notifies without a subscription until the connection streams or ends."""
         while self._connection is connection and self._streaming is None:
@@ -167,11 +143,11 @@ class Armband:
             self._log.write("chatter")
             await asyncio.sleep(period)
 
-    async def _ask(self, connection: Connection, first_ms: int, every_ms: int, times: int) -> None:
+    async def _ask(self, connection: Connection, first: float, every: float) -> None:
         """Asks for other connection parameters, and ends the connection if that is not answered."""
         self._unanswered.clear()
-        await asyncio.sleep(first_ms / 1000)
-        for _ in range(times):
+        await asyncio.sleep(first)
+        for _ in range(REQUESTS):
             if self._connection is not connection:
                 return
             identifier = self._signals.next_identifier(connection)
@@ -181,10 +157,10 @@ class Armband:
                 identifier=identifier, interval_min=16, interval_max=32, latency=0, timeout=200
             )
             self._signals.send_control_frame(connection, l2cap.L2CAP_LE_SIGNALING_CID, request)
-            await asyncio.sleep(every_ms / 1000)
+            await asyncio.sleep(every)
         if self._connection is connection and self._unanswered:
             self._log.write("unanswered", identifiers=sorted(self._unanswered))
-            self._disconnect(HUNG_UP, self._options.wake_after)
+            self._disconnect(HUNG_UP, WAKE_AFTER)
 
     def _on_signal(self, _connection: Connection, _channel: int, frame: l2cap.L2CAP_Control_Frame) -> None:
         self._unanswered.discard(frame.identifier)
@@ -194,18 +170,17 @@ class Armband:
 
     def _on_command(self, command: bytes) -> None:
         self._log.write("write", value=command.hex())
-        before = self._settings.never_sleep
         try:
-            self._settings.apply(command)
+            mode = emg_mode(command)
         except CommandError as error:
             self._log.write("error", reason=str(error), value=command.hex())
             return
-        if self._settings.never_sleep != before:
-            self._plan_sleep()
-        if not self._settings.streams:
+        if mode is None:
+            return
+        if mode not in STREAMING_MODES:
             self._stop_streaming()
         elif self._streaming is None and not self._ended:
-            self._log.write("mode", emg=self._settings.emg_mode)
+            self._log.write("mode", emg=mode)
             self._streaming = self._spawn(self._stream())
 
     def _on_write_command(self, _connection: Connection, request: att.ATT_Write_Command) -> None:
@@ -221,52 +196,32 @@ class Armband:
 
     async def _stream(self) -> None:
         clock = asyncio.get_running_loop().time
-        await asyncio.sleep(self._options.script.begins_after_ms / 1000)
+        if late := self._options.script.habit("begin-late"):
+            await asyncio.sleep(late["ms"] / 1000)
         schedule = Schedule.starting(clock(), self._options.pace)
-        lane = self._options.first_lane
+        lane = 0
         while await self._recording.has(self._next):
             await asyncio.sleep(schedule.next(clock()))
             while self._radio.congested():
                 await asyncio.sleep(CONGESTION_POLL)
             n = self._next
-            while step := self._options.script.take_action(n):
-                self._log.write(step.do, n=n, **step.fields)
-                if not await self._act(step, schedule):
+            packet = Packet(EMG_DATA[lane], self._recording.notification(n))
+            if step := self._options.script.take(n):
+                self._log.write(step["do"], n=n)
+                if step["do"] != "corrupt":
+                    await self._delivered()
+                    reason = LOST if step["do"] == "vanish" else HUNG_UP
+                    self._disconnect(reason, step["for_ms"] / 1000)
                     return
+                packet = corrupted(n, step["kind"])
             self._next = n + 1
-            impairment = self._options.script.impairment(n)
-            if impairment:
-                self._log.write(impairment.do, n=n, **impairment.fields)
-            for packet in self._impairer.packets(n, lane, self._recording.notification(n)):
-                self._send(packet)
-            self._log.write("sent", n=n, lane=lane)
-            if self._settings.moves and n % 2 == 1:
-                self._send(Packet(IMU_DATA, movement(n)))
+            self._send(packet)
             lane = (lane + 1) % len(EMG_DATA)
         await self._delivered()
-        self._end()
-
-    async def _act(self, step: Step, schedule: Schedule) -> bool:
-        """Carries out a step of the script; returns whether the stream continues."""
-        match step.do:
-            case "delay":
-                seconds = step.fields["ms"] / 1000
-                schedule.delay(seconds)
-                await asyncio.sleep(seconds)
-            case "vanish":
-                await self._delivered()
-                self._refusals += step.fields["refuse"]
-                self._disconnect(LOST, step.fields["for_ms"] / 1000)
-                return False
-            case "sleep":
-                await self._delivered()
-                self._refusals += step.fields["refuse"]
-                self._disconnect(HUNG_UP, step.fields["for_ms"] / 1000)
-                return False
-            case "battery":
-                self._battery = step.fields["percent"]
-                self._send(Packet(BATTERY_LEVEL, bytes([self._battery])))
-        return True
+        self._ended = True
+        self._log.write("end")
+        if self._options.disconnects:
+            self._disconnect(HUNG_UP, None)
 
     def _send(self, packet: Packet) -> None:
         if self._connection is None:
@@ -277,7 +232,7 @@ class Armband:
         handle = self._table.characteristic(packet.characteristic).handle
         wanted = self._server.subscribers.get(self._connection, {}).get(handle, bytes(2))[0] & 1
         # Without a subscription nothing is sent, except by a script on other characteristics.
-        if wanted or packet.characteristic not in (*EMG_DATA, BATTERY_LEVEL, IMU_DATA):
+        if wanted or packet.characteristic not in EMG_DATA:
             pdu = att.ATT_Handle_Value_Notification(
                 attribute_handle=handle, attribute_value=packet.value
             )
@@ -288,15 +243,6 @@ class Armband:
         while self._radio.waiting() > 0:
             await asyncio.sleep(CONGESTION_POLL)
         await asyncio.sleep(HOST_DELAY)
-
-    def _end(self) -> None:
-        self._ended = True
-        self._log.write("end")
-        match self._options.end:
-            case "disconnect":
-                self._disconnect(HUNG_UP, None)
-            case "exit":
-                self.done.set()
 
     def _stop_streaming(self) -> None:
         if self._streaming:

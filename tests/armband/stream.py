@@ -1,7 +1,6 @@
 """The recording as notifications, and the time at which each is due."""
 
 import asyncio
-import struct
 from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO
@@ -17,11 +16,6 @@ CATCH_UP = 12
 GROWTH_POLL = 0.002
 
 
-def movement(n: int) -> bytes:
-    """Value of the IMU behind a notification: at rest, but for a turn by the number of the notification."""
-    return struct.pack("<10h", 16384, 0, 0, 0, 0, 0, 2048, n, 0, 0)
-
-
 class Recording:
     """Raw samples, 8 bytes each, two to a notification; an odd last sample is left out."""
 
@@ -32,13 +26,9 @@ class Recording:
     def read(cls, path: Path) -> "Recording":
         return cls(path.read_bytes())
 
-    def __len__(self) -> int:
-        """Number of notifications."""
-        return len(self._samples) // NOTIFICATION_BYTES
-
     async def has(self, n: int) -> bool:
         """Whether there is such a notification."""
-        return n < len(self)
+        return (n + 1) * NOTIFICATION_BYTES <= len(self._samples)
 
     def notification(self, n: int) -> bytes:
         return self._samples[n * NOTIFICATION_BYTES : (n + 1) * NOTIFICATION_BYTES]
@@ -59,7 +49,7 @@ class GrowingRecording(Recording):
         """Waits for it."""
         while True:
             self._samples += self._file.read()
-            if n < len(self):
+            if await super().has(n):
                 return True
             await asyncio.sleep(GROWTH_POLL)
 
@@ -70,24 +60,14 @@ class Schedule:
 
     interval: float
     due: float
-    # Delay by the script: all that it holds back is sent at once, whatever its length.
-    script_delay: float = 0.0
 
     @classmethod
     def starting(cls, now: float, pace: float) -> "Schedule":
         return cls(INTERVAL / pace, now + INTERVAL / pace)
 
-    def delay(self, seconds: float) -> None:
-        self.script_delay += seconds
-
     def next(self, now: float) -> float:
         """Seconds to wait for the next notification, 0 or more; it counts as sent then."""
-        late = now - self.due
-        if late <= 0:
-            self.script_delay = 0.0
-        allowed = (CATCH_UP - 1) * self.interval + self.script_delay
-        if late > allowed:
-            self.due = now - allowed
+        self.due = max(self.due, now - (CATCH_UP - 1) * self.interval)
         wait = max(0.0, self.due - now)
         self.due += self.interval
         return wait

@@ -48,7 +48,7 @@ fn a_recordings_lines_equal_replays() -> anyhow::Result<()> {
     samples.truncate(15 * 200);
     // Its speech without a subscription means nothing.
     let script = json!([{ "do": "chatter", "ms": 1 }]);
-    let mut run = found!(start(&samples, 3.0, script, &["--end", "disconnect"])?);
+    let mut run = found!(start(&samples, 3.0, script, &["--disconnect"])?);
     let expected = replay::lines(&chip::model(), &samples)?;
     let expected: Vec<_> = expected.split_inclusive('\n').collect();
     run.wait_for("the line after those of the recording", |run| {
@@ -68,7 +68,7 @@ fn a_link_that_is_refused_and_lost_comes_back_and_no_stranger_is_followed() -> a
         { "do": "sleep", "at": 800, "for_ms": 3000 },
     ]);
     let samples: Vec<_> = (0..3000).map(|n| [(n * n % 251 - 125) as i8; 8]).collect();
-    let arguments = ["--end", "disconnect", "--stranger", "F1:23:45:67:89:AB,-20"];
+    let arguments = ["--disconnect", "--stranger", "F1:23:45:67:89:AB,-20"];
     let mut run = found!(start(&samples, 1.0, script, &arguments)?);
     run.wait_for("three streams", |run| run.event_count("connected") == 3)?;
     run.wait_for("the last one's end", |run| {
@@ -87,7 +87,7 @@ fn play_with(kind: &str) -> anyhow::Result<Option<Run>> {
         .collect();
     let samples = vec![[1; 8]; 2600];
     let mut run = found!(
-        start(&samples, 3.0, script.into(), &["--end", "disconnect"])?,
+        start(&samples, 3.0, script.into(), &["--disconnect"])?,
         None
     );
     run.wait_for("the end", |run| {
@@ -126,7 +126,7 @@ fn an_armband_that_asks_for_parameters_begins_late_and_hides_subscriptions_strea
         { "do": "hide-subscriptions" },
     ]);
     let samples: Vec<_> = (0..2000).map(|n| [(n * n % 251 - 125) as i8; 8]).collect();
-    let mut run = found!(start(&samples, 2.0, script, &["--end", "disconnect"])?);
+    let mut run = found!(start(&samples, 2.0, script, &["--disconnect"])?);
     run.wait_for("the end", |run| {
         last_cause(run) == Some(Cause::Disconnected)
     })?;
