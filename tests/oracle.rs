@@ -3,8 +3,8 @@
 use shared::model::Encode;
 use shared::model::encoder::DeviceEncoder;
 use shared::model::file::Model;
-use shared::pipeline::{self, Pipeline, Reports, Smoother};
-use shared::stream::alignment::{Alignment, Arm};
+use shared::pipeline::{Pipeline, Reports};
+use shared::stream::alignment::Arm;
 use shared::stream::smoother::Gate;
 use shared::uart_line::Report;
 use shared::units::{Millis, SAMPLE_PERIOD_MS, Sample};
@@ -22,16 +22,10 @@ pub enum Input<'s> {
     Silence(Millis),
     /// The button is pressed, or a command begins an alignment that is told this of the arm.
     Align(Arm),
-    /// A command puts this alignment in force.
-    SetAlignment(Alignment),
     /// A command changes the confidence gate.
     SetGate(Gate),
     /// A command switches the strength on lines.
     Strength(bool),
-    /// An installation begins to write.
-    Suspend,
-    /// This model is in use.
-    Resume(&'s [u8]),
 }
 
 /// The lines for these inputs, the first one at boot.
@@ -59,30 +53,12 @@ pub fn expected_lines(model: &[u8], inputs: &[Input<'_>]) -> anyhow::Result<Vec<
                 now = now.plus(long.0);
                 pipeline.tick(now)
             }
-            Input::SetAlignment(alignment) => {
-                pipeline.set_alignment(alignment);
-                Reports::default()
-            }
             Input::SetGate(gate) => {
                 anyhow::ensure!(pipeline.set_gate(gate), "a margin that the model has not");
                 Reports::default()
             }
             Input::Strength(on) => {
                 lines.have_strength = on;
-                Reports::default()
-            }
-            Input::Suspend => pipeline.suspend(now),
-            Input::Resume(file) => {
-                let model = Model::parse(file)?;
-                let encoder = DeviceEncoder::new(&model)?;
-                let settings = model.header.smoother.in_patches();
-                let smoother = Smoother::new(settings, encoder.classes())?;
-                let input = pipeline::ModelInput {
-                    preprocessing: model.header.preprocessing,
-                    template: model.header.template,
-                    alignment: Alignment::NONE,
-                };
-                pipeline.resume(now, encoder, smoother, input);
                 Reports::default()
             }
             Input::Align(arm) => {

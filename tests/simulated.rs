@@ -1,10 +1,10 @@
-//! Simulated board: times from the packet that a label was made of to its pin, and to the last byte of its line; a calibration.
+//! Simulated board: times from the packet that a label was made of to its pin, and to the last byte of its line; an
+//! alignment; a calibration.
 
+#[path = "simulated/alignment.rs"]
+mod alignment;
 #[path = "simulated/calibration.rs"]
 mod calibration;
-
-use std::path::{Path, PathBuf};
-use std::sync::OnceLock;
 
 use myointent_tests::model_file;
 use myointent_tests::simulation::{self, Inputs, Ran};
@@ -14,13 +14,6 @@ use recordings::synthetic::{self, SynthOptions};
 use shared::myo::binding::to_record;
 use shared::uart_line::{Report, ReportKind};
 use virtual_armband::{ADDRESS, framed};
-use xtask::firmware;
-
-/// Returns the path of the simulated board's program, built once.
-fn program() -> &'static Path {
-    static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
-    PROGRAM.get_or_init(|| firmware::build_simulation().unwrap())
-}
 
 /// Returns the page of a board that the armband is bound to.
 fn page() -> Vec<u8> {
@@ -82,7 +75,7 @@ fn stream(commands: &[&str]) -> Ran {
         calibration: &[],
         install: None,
     };
-    simulation::run(program(), &inputs).unwrap()
+    simulation::run(&inputs).unwrap()
 }
 
 /// Returns the times from packet to pin, at changes of the label, and from packet to the end of the line. The first

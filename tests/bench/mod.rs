@@ -18,10 +18,10 @@ pub use bridge::{Bridge, terminal};
 pub use run::Run;
 
 use std::path::PathBuf;
-use std::sync::{Condvar, Mutex, OnceLock, PoisonError};
+use std::sync::{Condvar, Mutex, PoisonError};
 
 use shared::units::Sample;
-use xtask::{emulator, firmware};
+use xtask::emulator;
 
 /// Runs that may exist at a time. Timing means nothing on a PC that has to wait for a core.
 const PLACES: usize = 2;
@@ -79,14 +79,4 @@ pub fn python() -> Option<Python> {
         path: emulator::python().map_err(skip).ok()?,
         place: Place::wait(),
     })
-}
-
-/// The program of the simulated board.
-///
-/// # Panics
-/// If it does not build.
-fn program() -> PathBuf {
-    static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
-    let build = || firmware::build_simulation().unwrap_or_else(|error| panic!("{error:#}"));
-    PROGRAM.get_or_init(build).clone()
 }

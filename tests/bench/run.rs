@@ -13,7 +13,7 @@ use virtual_armband::LINES;
 use xtask::emulator;
 
 use super::process::KillOnDrop;
-use super::{Place, Python, Scenario, program};
+use super::{Place, Python, Scenario};
 use crate::output::{ARMBAND_LOG, BoardOutput};
 use crate::simulation::{self, MODEL, PAGE, SAMPLES};
 
@@ -23,87 +23,69 @@ const POLL: Duration = Duration::from_millis(10);
 /// Scenario without acts: the armband is another program, and the test is the person. The board runs for a day at most.
 const SCENARIO: &str = "run_seconds = 86400\n";
 
-/// Name of the socket in the folder of a run.
+/// Names of the socket and of the armband's script in the folder of a run.
 const SOCKET: &str = "hci";
+const SCRIPT: &str = "script.json";
 
 /// A running board beside an armband. Both are killed when it is dropped.
 pub struct Run {
     // Dropped first: a board that loses its controller would write an error.
     board: Option<KillOnDrop>,
-    armband: Option<KillOnDrop>,
+    armband: KillOnDrop,
     folder: TempDir,
     output: BoardOutput,
-    slowed: u32,
     _place: Place,
 }
 
 impl Run {
     /// Starts an armband and a board.
     pub fn start(python: Python, scenario: &Scenario<'_>) -> anyhow::Result<Self> {
-        let mut run = Self::new(
-            python.place,
-            scenario.model,
-            &scenario.page,
-            scenario.slowed,
-        )?;
-        let path = |name: &str| run.folder.path().join(name);
-        let script = path("script.json");
-        std::fs::write(run.recording(), cast_slice::<[i8; 8], u8>(scenario.samples))?;
-        std::fs::write(&script, scenario.script.to_string())?;
+        // Short: the path of a socket has at most 107 bytes.
+        let folder = tempfile::Builder::new().prefix("myo").tempdir()?;
+        let path = |name: &str| folder.path().join(name);
+        let script = scenario.script.to_string();
+        let files = [
+            (MODEL, scenario.model),
+            (PAGE, &scenario.page[..]),
+            (simulation::SCENARIO, SCENARIO.as_bytes()),
+            (SAMPLES, cast_slice::<[i8; 8], u8>(scenario.samples)),
+            (SCRIPT, script.as_bytes()),
+            (LINES, &[]),
+        ];
+        for (name, contents) in files {
+            std::fs::write(path(name), contents)?;
+        }
         let mut armband = Command::new(&python.path);
         armband
             .arg(emulator::armband())
             .arg("--hci")
             .arg(format!("unix-server:{}", path(SOCKET).display()))
             .arg("--recording")
-            .arg(run.recording())
+            .arg(path(SAMPLES))
             .arg("--script")
-            .arg(script)
+            .arg(path(SCRIPT))
             .arg("--log")
             .arg(path(ARMBAND_LOG))
             .args(["--pace", &scenario.pace.to_string()])
             .args(&scenario.arguments)
             // No cache of compiled modules among the sources.
             .env("PYTHONDONTWRITEBYTECODE", "1");
-        run.armband = Some(KillOnDrop::start("armband", armband, run.folder.path())?);
+        let mut board = simulation::command(folder.path());
+        board.args(["--slowed", &scenario.slowed.to_string()]);
+        board.arg("--hci").arg(path(SOCKET));
+        board.stdin(Stdio::piped());
+        let mut run = Self {
+            board: None,
+            armband: KillOnDrop::start("armband", armband, folder.path())?,
+            output: BoardOutput::new(folder.path()),
+            folder,
+            _place: python.place,
+        };
         run.wait_for("the armband to be ready", |run| {
             run.event_count("ready") > 0
         })?;
-        run.start_board()?;
+        run.board = Some(KillOnDrop::start("board", board, run.folder.path())?);
         Ok(run)
-    }
-
-    fn new(place: Place, model: &[u8], page: &[u8], slowed: u32) -> anyhow::Result<Self> {
-        // Short: the path of a socket has at most 107 bytes.
-        let folder = tempfile::Builder::new().prefix("myo").tempdir()?;
-        let files = [
-            (MODEL, model),
-            (PAGE, page),
-            (simulation::SCENARIO, SCENARIO.as_bytes()),
-            (SAMPLES, &[]),
-            (LINES, &[]),
-        ];
-        for (name, contents) in files {
-            std::fs::write(folder.path().join(name), contents)?;
-        }
-        Ok(Self {
-            board: None,
-            armband: None,
-            output: BoardOutput::new(folder.path()),
-            folder,
-            slowed,
-            _place: place,
-        })
-    }
-
-    fn start_board(&mut self) -> anyhow::Result<()> {
-        let folder = self.folder.path();
-        let mut board = simulation::command(&program(), folder);
-        board.args(["--slowed", &self.slowed.to_string()]);
-        board.arg("--hci").arg(folder.join(SOCKET));
-        board.stdin(Stdio::piped());
-        self.board = Some(KillOnDrop::start("board", board, folder)?);
-        Ok(())
     }
 
     pub fn send(&mut self, bytes: impl AsRef<[u8]>) -> anyhow::Result<()> {
@@ -151,8 +133,8 @@ impl Run {
 
     /// Says which process has ended. A board that resets itself ends.
     fn ended(&mut self) -> Option<String> {
-        let processes = [self.board.as_mut(), self.armband.as_mut()];
-        let ended = processes.into_iter().flatten().find_map(KillOnDrop::ended);
+        let mut processes = self.board.iter_mut().chain([&mut self.armband]);
+        let ended = processes.find_map(KillOnDrop::ended);
         ended.map(|(name, status)| format!("the {name} ended ({status})"))
     }
 

@@ -43,7 +43,7 @@ impl Board {
             let before = received.partition_point(|(received, _)| received <= at);
             let last = before.checked_sub(1).map_or(0, |last| received[last].0);
             let labels = Intent::ALL.into_iter().zip(self.pins.intents);
-            let [_, armband, alignment_led] = self.pins.leds.map(is_lit);
+            let [.., alignment_led] = self.pins.leds;
             let line = PinLevels {
                 at_us: at / us(1),
                 last_byte_us: last / us(1),
@@ -52,8 +52,7 @@ impl Board {
                     .filter(|(_, pin)| is_high(*pin))
                     .map(|(intent, _)| intent)
                     .collect(),
-                armband,
-                alignment_led,
+                alignment_led: is_lit(alignment_led),
             };
             // Writing to a string cannot fail.
             let _ = writeln!(lines, "{line}");

@@ -3,7 +3,6 @@
 //! Needs the cross compiler: `cargo xtask toolchain --install`.
 
 mod air;
-mod alignment;
 mod boot;
 mod calibration;
 mod controller;

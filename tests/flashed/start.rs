@@ -1,11 +1,17 @@
 //! Start of the program, from reset to the first lines.
 
+use std::collections::BTreeMap;
+
 use nrf52::chip::{APPROTECT, Reset};
 use nrf52::softdevice::boot::SOFTDEVICE_VERSION;
 use xtask::firmware::Image;
 
+use super::usb::started;
 use myointent_tests::chip::{Board, Setting};
 use myointent_tests::found;
+
+/// UARTE0.PSEL.TXD and RXD.
+const UART_PINS: [u32; 2] = [0x4000_250c, 0x4000_2514];
 
 pub const FLASHED: [Image; 3] = [Image::Nrf52840S140, Image::Nrf52840Sdc, Image::Nrf52832S132];
 
@@ -88,6 +94,48 @@ fn a_blank_chip_sets_its_reset_pin_and_starts_again() -> anyhow::Result<()> {
             "{built}"
         );
         assert_eq!(chip.uicr(APPROTECT) & 0xff, 0x5a, "{built}");
+    }
+    Ok(())
+}
+
+#[test]
+fn every_board_starts_on_pins_of_its_own() -> anyhow::Result<()> {
+    for built in Image::ALL {
+        let mut board = found!(started(built));
+        let said = format!("image {built}, model");
+        board.wait_for(&said, 1000)?;
+        board.wait_for("# armband FA", 10_000)?;
+        let pins = board.pins;
+        let [relax, others @ ..] = pins.intents;
+        let [valid, armband, alignment] = pins.leds;
+        let [sends, receives] = pins.uart;
+        let high = [relax, pins.button, sends, receives].map(|pin| (pin, true));
+        let low = others.into_iter().chain([pins.valid, pins.strength]);
+        let leds = [
+            (valid, !pins.led_on),
+            (armband, pins.led_on),
+            (alignment, !pins.led_on),
+        ];
+        let expected: BTreeMap<u32, bool> = high
+            .into_iter()
+            .chain(low.chain(pins.low).map(|pin| (pin, false)))
+            .chain(leds)
+            .collect();
+        let chip = board.machine.chip();
+        // All others float: the charger's current and state, the supply of VCC, the antenna.
+        let levels = (0..48).filter_map(|pin| Some((pin, chip.level(pin)?)));
+        assert_eq!(levels.collect::<BTreeMap<_, _>>(), expected, "{built}");
+        drop(chip);
+        let uart = UART_PINS.map(|register| board.machine.chip().read(register, 4));
+        assert_eq!(uart, pins.uart, "{built}");
+        board.set_button(true);
+        board.wait_for("# pairing", 4000)?;
+        let is_power = |why: &Reset| *why == Reset::Power;
+        assert!(
+            board.starts().iter().all(is_power),
+            "{built}:\n{}",
+            board.text()
+        );
     }
     Ok(())
 }

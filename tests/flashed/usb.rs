@@ -1,7 +1,5 @@
 //! Boards with USB: from their boot loader to lines and commands on the host's serial port.
 
-use std::collections::BTreeMap;
-
 use anyhow::{Context as _, bail, ensure};
 use nrf52::chip::Reset;
 use nrf52::time::{ms, us};
@@ -15,8 +13,6 @@ use super::faults::effort;
 use myointent_tests::chip::{self, Board, Setting};
 use myointent_tests::found;
 
-/// UARTE0.PSEL.TXD and RXD.
-const UART_PINS: [u32; 2] = [0x4000_250c, 0x4000_2514];
 /// POWER.GPREGRET.
 const GPREGRET: u32 = 0x4000_051c;
 
@@ -133,48 +129,6 @@ fn opened() -> anyhow::Result<Option<(Board, Endpoints)>> {
     set_port(&mut board, 115_200, true)?;
     board.run_ms(100)?;
     Ok(Some((board, endpoints)))
-}
-
-#[test]
-fn every_board_starts_from_its_boot_loader_on_pins_of_its_own() -> anyhow::Result<()> {
-    for built in Image::UF2 {
-        let mut board = found!(started(built));
-        let said = format!("image {built}, model");
-        board.wait_for(&said, 1000)?;
-        board.wait_for("# armband FA", 10_000)?;
-        let pins = board.pins;
-        let [relax, others @ ..] = pins.intents;
-        let [valid, armband, alignment] = pins.leds;
-        let [sends, receives] = pins.uart;
-        let high = [relax, pins.button, sends, receives].map(|pin| (pin, true));
-        let low = others.into_iter().chain([pins.valid, pins.strength]);
-        let leds = [
-            (valid, !pins.led_on),
-            (armband, pins.led_on),
-            (alignment, !pins.led_on),
-        ];
-        let expected: BTreeMap<u32, bool> = high
-            .into_iter()
-            .chain(low.chain(pins.low).map(|pin| (pin, false)))
-            .chain(leds)
-            .collect();
-        let chip = board.machine.chip();
-        // All others float: the charger's current and state, the supply of VCC, the antenna.
-        let levels = (0..48).filter_map(|pin| Some((pin, chip.level(pin)?)));
-        assert_eq!(levels.collect::<BTreeMap<_, _>>(), expected, "{built}");
-        drop(chip);
-        let uart = UART_PINS.map(|register| board.machine.chip().read(register, 4));
-        assert_eq!(uart, pins.uart, "{built}");
-        board.set_button(true);
-        board.wait_for("# pairing", 4000)?;
-        assert_eq!(
-            board.starts()[1..],
-            [Reset::Power],
-            "{built}:\n{}",
-            board.text()
-        );
-    }
-    Ok(())
 }
 
 #[test]

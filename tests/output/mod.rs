@@ -9,7 +9,7 @@ use std::fmt::Write as _;
 use anyhow::{Context as _, bail};
 use serde_json::Value;
 use shared::uart_line::{Report, alignment::AlignmentReport, emg::EmgReport, line::Line};
-use virtual_armband::{LEVELS, LINES, PinLevels};
+use virtual_armband::{LEVELS, LINES, PinLevels, framed};
 
 /// Name of the armband's log of events.
 pub const ARMBAND_LOG: &str = "armband";
@@ -67,17 +67,14 @@ impl BoardOutput {
     /// Panics if a checksum is wrong.
     pub fn answers(&self) -> Vec<String> {
         let is_answer = |line: &str| line.starts_with("$OK,") || line.starts_with("$ERR,");
-        let answers = self.complete(LINES, is_answer);
-        let body = |line: &str| {
-            let framed = line.trim_end().split_once('$');
-            let (body, found) = framed.and_then(|(_, rest)| rest.rsplit_once('*'))?;
-            let sum = body.bytes().fold(0, |sum, byte| sum ^ byte);
-            (format!("{sum:02X}") == found).then(|| body.to_owned())
+        let body = |line: &String| {
+            let text = line.trim_end().split_once('$');
+            let body = text.and_then(|(_, rest)| rest.rsplit_once('*'));
+            let (body, _) = body.unwrap_or_else(|| panic!("no checksum: {line}"));
+            assert_eq!(*line, framed(body), "another checksum");
+            body.to_owned()
         };
-        let answers = answers.iter();
-        answers
-            .map(|line| body(line).unwrap_or_else(|| panic!("{line}")))
-            .collect()
+        self.complete(LINES, is_answer).iter().map(body).collect()
     }
 
     /// Returns the raw stream, parsed.
@@ -140,26 +137,24 @@ impl BoardOutput {
             .collect()
     }
 
-    /// Returns the events in the armband's log.
-    pub fn armband_events(&self) -> Vec<Value> {
+    /// Returns the events of this name in the armband's log.
+    fn events(&self, name: &str) -> Vec<Value> {
         let text = self.file(ARMBAND_LOG);
-        let events = text.lines().map(serde_json::from_str);
-        events.filter_map(Result::ok).collect()
+        let events = text.lines().map(serde_json::from_str::<Value>);
+        let events = events.filter_map(Result::ok);
+        events.filter(|event| event["event"] == name).collect()
     }
 
     /// Returns the number of times that an event is in the armband's log.
-    pub fn event_count(&self, event: &str) -> usize {
-        let events = self.armband_events();
-        events.iter().filter(|line| line["event"] == event).count()
+    pub fn event_count(&self, name: &str) -> usize {
+        self.events(name).len()
     }
 
     /// Returns the values of the virtual armband's events with this name.
-    pub fn event_values(&self, event: &str) -> Vec<String> {
-        let events = self.armband_events();
-        let events = events.iter().filter(|line| line["event"] == event);
-        events
-            .filter_map(|line| line["value"].as_str().map(str::to_owned))
-            .collect()
+    pub fn event_values(&self, name: &str) -> Vec<String> {
+        let events = self.events(name);
+        let values = events.iter().filter_map(|event| event["value"].as_str());
+        values.map(str::to_owned).collect()
     }
 
     /// Returns the times at which the simulated armband began to stream, in microseconds; the virtual one does not log

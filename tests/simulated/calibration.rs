@@ -15,7 +15,7 @@ use shared::stream::alignment::Alignment;
 use shared::uart_line::{Report, ReportKind};
 use shared::units::Sample;
 
-use super::{page, program};
+use super::page;
 
 /// Notifications before the command.
 const AT: usize = 400;
@@ -78,7 +78,7 @@ impl Bench {
             calibration: page_before,
             install: None,
         };
-        simulation::run(program(), &inputs)
+        simulation::run(&inputs)
     }
 
     fn calibrate(&self, keys: &str) -> Ran {

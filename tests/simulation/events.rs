@@ -37,7 +37,6 @@ fn add(starts: &mut Vec<Start>, line: &str) -> anyhow::Result<()> {
     match what {
         "PACKET" => start.packets.push((at_us, number()?.parse()?)),
         "LINE" => start.lines.push(at_us),
-        "ERASE" | "WRITE" | "POWER" => {}
         _ => bail!("nothing that a board writes"),
     }
     Ok(())

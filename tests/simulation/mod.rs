@@ -4,13 +4,15 @@ mod events;
 
 use std::fs;
 use std::ops::Deref;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::OnceLock;
 
 use anyhow::{Context as _, ensure};
 use shared::units::Sample;
 use tempfile::TempDir;
 use virtual_armband::EVENTS;
+use xtask::firmware;
 
 pub use events::Start;
 
@@ -23,9 +25,19 @@ pub const SAMPLES: &str = "samples.i8";
 pub const PAGE: &str = "page";
 const CALIBRATION: &str = "calibration";
 
+/// Returns the path of the board's program, built once.
+///
+/// # Panics
+/// If it does not build.
+fn program() -> &'static Path {
+    static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
+    let build = || firmware::build_simulation().unwrap_or_else(|error| panic!("{error:#}"));
+    PROGRAM.get_or_init(build)
+}
+
 /// Returns the command that runs a board on the files of a folder.
-pub fn command(program: &Path, folder: &Path) -> Command {
-    let mut board = Command::new(program);
+pub fn command(folder: &Path) -> Command {
+    let mut board = Command::new(program());
     board.arg(folder.join(SCENARIO));
     for (option, name) in [
         ("--model", MODEL),
@@ -81,8 +93,8 @@ impl Deref for Ran {
     }
 }
 
-/// Runs a scenario to its end. `program` is what [`xtask::firmware::build_simulation`] built.
-pub fn run(program: &Path, inputs: &Inputs<'_>) -> anyhow::Result<Ran> {
+/// Runs a scenario to its end.
+pub fn run(inputs: &Inputs<'_>) -> anyhow::Result<Ran> {
     let folder = tempfile::Builder::new().prefix("simulation").tempdir()?;
     let path = |name: &str| folder.path().join(name);
     fs::write(path(SCENARIO), inputs.scenario)?;
@@ -91,13 +103,13 @@ pub fn run(program: &Path, inputs: &Inputs<'_>) -> anyhow::Result<Ran> {
     fs::write(path(SAMPLES), samples)?;
     fs::write(path(PAGE), inputs.page)?;
     fs::write(path(CALIBRATION), inputs.calibration)?;
-    let mut board = command(program, folder.path());
+    let mut board = command(folder.path());
     if let Some(file) = inputs.install {
         fs::write(path("other.intent"), file)?;
         board.arg("--install").arg(path("other.intent"));
     }
     let ran = board.output();
-    let ran = ran.with_context(|| program.display().to_string())?;
+    let ran = ran.with_context(|| program().display().to_string())?;
     let output = BoardOutput::new(folder.path());
     ensure!(
         ran.status.success(),

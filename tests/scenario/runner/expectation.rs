@@ -2,12 +2,10 @@
 
 mod pins;
 
-use super::installed;
 use anyhow::{Context as _, bail, ensure};
 use myointent_tests::oracle::{Input, expected_lines};
 use myointent_tests::output::BoardOutput;
 use serde::Deserialize;
-use shared::stream::alignment::Alignment;
 use shared::stream::smoother::{Gate, Reaction};
 use shared::uart_line::ReportKind;
 use shared::units::{Millis, Sample};
@@ -35,30 +33,17 @@ pub struct Expectation {
     counters: Option<Counters>,
     /// Milliseconds from the fault to safe pins, at most.
     safe_within_ms: Option<u64>,
-    /// True if raw samples must be those sent, from some sample on, without a hole.
-    raw_without_holes: bool,
-    /// Smallest number of lines with raw samples.
-    raw_at_least: Option<usize>,
+    /// Smallest number of lines with raw samples, which must be those sent, from some sample on, without a hole.
+    raw_without_holes: Option<usize>,
     /// Counts in the last answer to `COUNTERS`: name, least and most.
     counts: Vec<Count>,
     /// Mean and longest time from the newest sample that a label depends on to the pins, in tenths of a millisecond,
     /// over all labels that change the pins. Virtual time repeats, so both are exact.
     delay_tenths_ms: Option<(u64, u64)>,
-    /// True if labels after an installation must be those of the new model, from the samples before and since.
-    labels_of_installed: bool,
     /// True if the board may restart.
     may_restart: bool,
     /// True if the region must hold the file that was installed.
     pub installed: bool,
-}
-
-/// Models of a scenario.
-#[derive(Clone, Copy)]
-pub struct Models<'m> {
-    /// Model in the region at the start.
-    pub first: &'m [u8],
-    /// Model that is installed.
-    pub other: &'m [u8],
 }
 
 /// Input of the pipeline.
@@ -73,8 +58,6 @@ enum Reached {
     Disconnected,
     /// Milliseconds of silence.
     SilenceMs(u32),
-    /// Alignment that is set: places, mirrored.
-    Align(u8, bool),
     /// Change of the operating point: margins in hundredths.
     Gate {
         entry: Option<i16>,
@@ -156,14 +139,13 @@ impl Expectation {
     /// Checks what a board has written.
     pub fn check(
         &self,
-        models: Models<'_>,
+        model: &[u8],
         samples: &[Sample],
         output: &BoardOutput,
     ) -> anyhow::Result<()> {
         output.check(self.may_restart)?;
-        self.check_lines(models, samples, output)?;
+        self.check_lines(model, samples, output)?;
         self.check_delay(output)?;
-        installed::check(self.labels_of_installed, models, samples, output)?;
         self.check_reports(output)?;
         self.check_people(output)?;
         self.check_pins(output)?;
@@ -172,7 +154,7 @@ impl Expectation {
 
     fn check_lines(
         &self,
-        models: Models<'_>,
+        model: &[u8],
         samples: &[Sample],
         output: &BoardOutput,
     ) -> anyhow::Result<()> {
@@ -187,7 +169,6 @@ impl Expectation {
             Reached::Lost(notifications) => Input::Gap(2 * notifications as u32),
             Reached::Disconnected => Input::Disconnected,
             Reached::SilenceMs(ms) => Input::Silence(Millis(ms)),
-            Reached::Align(turn, mirrored) => Input::SetAlignment(Alignment::new(turn, mirrored)),
             Reached::Gate {
                 entry,
                 other,
@@ -200,7 +181,7 @@ impl Expectation {
             Reached::Strength(on) => Input::Strength(on),
         };
         let inputs: Vec<Input<'_>> = reached.iter().map(input).collect();
-        let expected = expected_lines(models.first, &inputs)?;
+        let expected = expected_lines(model, &inputs)?;
         let found = output.lines();
         let differs = found
             .iter()

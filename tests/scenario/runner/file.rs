@@ -16,17 +16,15 @@ pub struct Scenario {
     pub about: String,
     /// Seconds of EMG.
     pub seconds: f64,
-    /// Recording from which the samples are taken, in the folder of recordings; without one they are synthetic.
+    /// Recording from which the samples are taken, in the folder of recordings; without one they are rest and effort in turn,
+    /// 1.5 s each.
     pub recording: Option<PathBuf>,
-    /// Synthetic EMG, where there is no recording.
-    #[serde(default)]
-    pub signal: Signal,
     /// Content of the model's region.
     #[serde(default)]
-    pub model: ScenarioModel,
+    pub model: Content,
     /// Content of the page of the bound armband.
     #[serde(default)]
-    pub page: Page,
+    pub page: Content,
     /// Reason why the emulated chip does not run it.
     pub not_on_chip: Option<String>,
     /// True if the emulated chip runs it in every run of the tests; the others with `--ignored`.
@@ -44,50 +42,15 @@ pub struct Scenario {
     pub surroundings: virtual_armband::Scenario,
 }
 
-/// Synthetic EMG.
+/// Content of a region of flash.
 #[derive(Deserialize, Clone, Copy, Default, PartialEq, Eq)]
 #[serde(rename_all = "kebab-case")]
-pub enum Signal {
-    /// Rest and effort in turn, 1.5 s each.
+pub enum Content {
+    /// Model of the README, or record of the scenario's armband.
     #[default]
-    Effort,
-    Rest,
-    /// Effort, with all electrodes at their limit.
-    Saturated,
-    /// One value at all times.
-    Constant,
-}
-
-/// Content of the model's region.
-#[derive(Deserialize, Clone, Default, PartialEq, Eq)]
-#[serde(rename_all = "kebab-case")]
-pub enum ScenarioModel {
-    /// Model of the README.
-    #[default]
-    Shipped,
+    Written,
     /// Erased flash.
     Erased,
-    /// First half of the shipped model.
-    Half,
-    /// Shipped model with a bit of a weight changed.
-    FlippedBit,
-    /// Shipped model with another format version.
-    AnotherVersion,
-}
-
-/// Content of the page of the bound armband.
-#[derive(Deserialize, Clone, Copy, Default, PartialEq, Eq)]
-#[serde(rename_all = "kebab-case")]
-pub enum Page {
-    /// Record of the scenario's armband.
-    #[default]
-    Bound,
-    /// Erased flash.
-    Erased,
-    /// Record without the checksum.
-    HalfWritten,
-    /// Record with a bit of the address changed.
-    FlippedBit,
 }
 
 /// File of a scenario, read.

@@ -6,18 +6,16 @@
 mod bench;
 mod expectation;
 mod file;
-mod installed;
 mod on_chip;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
-use std::sync::Arc;
 
 use libtest_mimic::{Arguments, Failed, Trial};
-use xtask::firmware::{self, Image};
+use xtask::firmware::Image;
 
 /// Scenarios that the emulated chip cannot run.
-const LEFT_OUT: usize = 22;
+const LEFT_OUT: usize = 15;
 
 fn main() -> ExitCode {
     let arguments = Arguments::from_args();
@@ -30,7 +28,6 @@ fn main() -> ExitCode {
 }
 
 fn trials(folder: &Path) -> anyhow::Result<Vec<Trial>> {
-    let program: Arc<PathBuf> = Arc::new(firmware::build_simulation()?);
     let mut trials = Vec::new();
     let files = file::all(folder)?;
     let left_out = files
@@ -73,10 +70,9 @@ fn trials(folder: &Path) -> anyhow::Result<Vec<Trial>> {
             });
             trials.push(trial.with_ignored_flag(is_left));
         }
-        let program = Arc::clone(&program);
         trials.push(Trial::test(
             format!("simulation::{}", file.name),
-            move || bench::simulate(&file, &program).map_err(|error| failed(&file, &error)),
+            move || bench::simulate(&file).map_err(|error| failed(&file, &error)),
         ));
     }
     Ok(trials)

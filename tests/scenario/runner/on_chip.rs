@@ -10,14 +10,13 @@ use virtual_armband::{Act, Acts};
 use xtask::firmware::Image;
 
 use super::bench::{model, page, samples};
-use super::expectation::Models;
 use super::file::File;
 
 /// Runs a scenario on the emulated chip, in this image.
 pub fn run(file: &File, built: Image) -> anyhow::Result<()> {
     let scenario = &file.scenario;
     let samples = found!(samples(scenario)?);
-    let model = model(&scenario.model);
+    let model = model(scenario.model);
     let surroundings = &scenario.surroundings;
     let setting = Setting {
         model: model.clone(),
@@ -40,11 +39,7 @@ pub fn run(file: &File, built: Image) -> anyhow::Result<()> {
     let folder = tempfile::tempdir()?;
     board.write_output(folder.path())?;
     let output = BoardOutput::new(folder.path());
-    let models = Models {
-        first: &model,
-        other: &[],
-    };
-    let checked = scenario.expect.check(models, &samples, &output);
+    let checked = scenario.expect.check(&model, &samples, &output);
     checked.with_context(|| output.tails())
 }
 

@@ -1,7 +1,5 @@
 //! Armband that obeys commands, streams, and misbehaves as its [`Behaviour`] says.
 
-use std::collections::VecDeque;
-
 use shared::myo::{Address, Characteristic};
 use shared::units::Sample;
 
@@ -12,6 +10,8 @@ use crate::gatt::{self, Attribute};
 const PERIOD_US: f64 = 10_000.0;
 const SET_MODE: u8 = 0x01;
 const SET_SLEEP: u8 = 0x09;
+/// Requests for connection parameters on a connection.
+const REQUESTS: u8 = 3;
 
 /// Notification: handle and value.
 pub type Notification = (u16, Vec<u8>);
@@ -49,8 +49,6 @@ struct Connection {
     sent: usize,
     /// Time until which a step delays everything.
     delayed_until_us: u64,
-    /// Notification that a swap holds back.
-    held: Option<Notification>,
     /// Time of the next request for connection parameters.
     asks_at_us: Option<u64>,
     /// Number of requests so far, which is the identifier of the last one.
@@ -189,19 +187,17 @@ impl Armband {
     /// answered.
     pub fn take_request(&mut self, now_us: u64) -> Option<u8> {
         let asks = self.behaviour.steps.iter().find_map(|step| match *step {
-            ArmbandFault::AskParameters {
-                first_ms,
-                every_ms,
-                times,
-            } => Some((first_ms * 1000, every_ms * 1000, times)),
+            ArmbandFault::AskParameters { first_ms, every_ms } => {
+                Some((first_ms * 1000, every_ms * 1000))
+            }
             _ => None,
         });
-        let (first_us, every_us, times) = asks?;
+        let (first_us, every_us) = asks?;
         let due = *self.link.asks_at_us.get_or_insert(now_us + first_us);
         if self.link.is_lost || now_us < due {
             return None;
         }
-        if self.link.asked == times {
+        if self.link.asked == REQUESTS {
             self.link.asks_at_us = Some(u64::MAX);
             if !self.link.unanswered.is_empty() {
                 self.link.is_closed = true;
@@ -287,55 +283,37 @@ impl Armband {
                 _ => {}
             }
         }
-        let lane = (usize::from(self.behaviour.first_lane) + self.link.sent) % gatt::EMG.len();
+        let emg = gatt::EMG[self.link.sent % gatt::EMG.len()];
         self.next = number + 1;
         self.link.sent += 1;
-        sent.extend(self.packets(number, lane));
+        if self.notifies(emg) {
+            sent.extend(self.packet(number, emg));
+        }
         if self.link.moves && number % 2 == 1 && self.notifies(Characteristic::Imu) {
             sent.push((self.handle(Characteristic::Imu), movement(number)));
         }
         sent
     }
 
-    /// Returns the packets that are sent for a notification.
-    fn packets(&mut self, number: usize, lane: usize) -> VecDeque<Notification> {
-        let value: Vec<u8> = self.samples[2 * number..2 * number + 2]
-            .iter()
-            .flatten()
-            .map(|byte| byte.cast_unsigned())
-            .collect();
-        let emg = gatt::EMG[lane];
-        let handle = self.handle(emg);
-        let mut sent = VecDeque::new();
-        let step = self.behaviour.steps.iter().find(|step| match **step {
-            ArmbandFault::Drop { at, count } => (at..at + count).contains(&number),
-            ArmbandFault::Corrupt { at, .. }
-            | ArmbandFault::Duplicate { at }
-            | ArmbandFault::Swap { at } => at == number,
-            _ => false,
-        });
-        match step {
-            _ if !self.notifies(emg) => {}
-            Some(ArmbandFault::Drop { .. }) => {}
-            Some(ArmbandFault::Duplicate { .. }) => {
-                sent.extend([(handle, value.clone()), (handle, value)]);
-            }
-            Some(ArmbandFault::Swap { .. }) => {
-                self.link.held = Some((handle, value));
-                return sent;
-            }
-            Some(ArmbandFault::Corrupt { kind, .. }) => match kind {
-                Corruption::Short => sent.push_back((handle, value[..9].to_vec())),
-                Corruption::Long => {
-                    sent.push_back((handle, [&value[..], &[0xde, 0xad, 0xbe, 0xef]].concat()));
+    /// Returns the packet that is sent for a notification, if one is.
+    fn packet(&self, number: usize, emg: Characteristic) -> Option<Notification> {
+        let samples = self.samples[2 * number..2 * number + 2].as_flattened();
+        let mut value: Vec<u8> = samples.iter().map(|byte| byte.cast_unsigned()).collect();
+        let mut handle = self.handle(emg);
+        for step in &self.behaviour.steps {
+            match *step {
+                ArmbandFault::Drop { at, count } if (at..at + count).contains(&number) => {
+                    return None;
                 }
-                Corruption::Foreign => sent.push_back((gatt::FOREIGN, value)),
-                Corruption::Garbage => {}
-            },
-            _ => sent.push_back((handle, value)),
+                ArmbandFault::Corrupt { at, kind } if at == number => match kind {
+                    Corruption::Short => value.truncate(9),
+                    Corruption::Long => value.extend([0xde, 0xad, 0xbe, 0xef]),
+                    Corruption::Foreign => handle = gatt::FOREIGN,
+                },
+                _ => {}
+            }
         }
-        sent.extend(self.link.held.take());
-        sent
+        Some((handle, value))
     }
 
     fn take_action(&mut self, number: usize) -> Option<ArmbandFault> {

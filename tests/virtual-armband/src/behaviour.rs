@@ -10,8 +10,6 @@ pub struct Behaviour {
     /// Milliseconds from one connection event to the next: notifications due between them come at once. 0: each comes
     /// when due.
     pub interval_ms: f64,
-    /// Index of the EMG characteristic that a stream starts with.
-    pub first_lane: u8,
     /// Event after the last sample.
     pub end: End,
     /// Faults.
@@ -23,7 +21,6 @@ impl Default for Behaviour {
         Self {
             pace: 1.0,
             interval_ms: 0.0,
-            first_lane: 0,
             end: End::default(),
             steps: Vec::new(),
         }
@@ -62,16 +59,6 @@ pub enum ArmbandFault {
         /// Number of notifications.
         #[serde(default = "one")]
         count: usize,
-    },
-    /// Notification that is sent twice.
-    Duplicate {
-        /// Number of the notification.
-        at: usize,
-    },
-    /// Exchange of a notification with the one after it.
-    Swap {
-        /// Number of the notification.
-        at: usize,
     },
     /// Other bytes in place of a notification.
     Corrupt {
@@ -113,25 +100,13 @@ pub enum ArmbandFault {
         /// Number of connections.
         count: usize,
     },
-    /// Notifications without a subscription, from every connection to its stream. The Bluetooth stack handles them: the
-    /// virtual armband sends none.
-    Chatter {
-        /// Milliseconds between them.
-        #[serde(rename = "ms")]
-        _ms: u64,
-    },
-    /// Request for other connection parameters, on every connection, as a peripheral of the nRF51's time makes it. Where one is
-    /// not answered, the armband ends the connection when the next would be due after the last.
+    /// Three requests for other connection parameters, on every connection, as a peripheral of the nRF51's time makes them.
+    /// Where one is not answered, the armband ends the connection when the next would be due after the last.
     AskParameters {
         /// Milliseconds from the connection to the first request.
-        #[serde(default = "five_seconds")]
         first_ms: u64,
         /// Milliseconds from each to the next.
-        #[serde(default = "half_a_minute")]
         every_ms: u64,
-        /// Number of requests.
-        #[serde(default = "three")]
-        times: u8,
     },
     /// EMG that begins so late after every command that sets the mode.
     BeginLate {
@@ -142,18 +117,6 @@ pub enum ArmbandFault {
     HideSubscriptions,
     /// Armband that is switched off.
     Absent,
-}
-
-const fn five_seconds() -> u64 {
-    5_000
-}
-
-const fn half_a_minute() -> u64 {
-    30_000
-}
-
-const fn three() -> u8 {
-    3
 }
 
 const fn one() -> usize {
@@ -170,6 +133,4 @@ pub enum Corruption {
     Long,
     /// Bytes of the notification, on another characteristic.
     Foreign,
-    /// Data that no Bluetooth stack passes on.
-    Garbage,
 }

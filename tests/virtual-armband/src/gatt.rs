@@ -31,8 +31,23 @@ pub enum Attribute {
     Other,
 }
 
-/// UUID of a characteristic; true if it notifies.
-type Row = (Uuid, bool);
+/// Services: each with its UUID, true if its characteristics notify, and their UUIDs of the same kind.
+const SERVICES: [(Uuid, bool, &[u16]); 10] = [
+    (Uuid::Sig(0x1800), false, &[0x2a00, 0x2a01, 0x2a04]),
+    (Uuid::Sig(0x1801), true, &[0x2a05]),
+    (Uuid::Sig(0x180a), false, &[0x2a29]),
+    (Uuid::Sig(0x180f), true, &[0x2a19]),
+    (Uuid::Vendor(0x0001), false, &[0x0101, 0x0201, 0x0401]),
+    (Uuid::Vendor(0x0002), true, &[0x0402, 0x0502]),
+    (Uuid::Vendor(0x0003), true, &[0x0103]),
+    (Uuid::Vendor(0x0004), true, &[0x0104]),
+    (
+        Uuid::Vendor(0x0005),
+        true,
+        &[0x0105, 0x0205, 0x0305, 0x0405],
+    ),
+    (Uuid::Vendor(0x0006), true, &[0x0602]),
+];
 
 /// EMG characteristics, in the order of a stream.
 pub const EMG: [Characteristic; 4] = [
@@ -42,47 +57,16 @@ pub const EMG: [Characteristic; 4] = [
     Characteristic::ALL[5],
 ];
 
-/// UUID of the classifier's characteristic, to which the session does not subscribe.
-const UNUSED: Uuid = Uuid::Vendor(0x0104);
-
 /// Returns all attributes, the first one with handle 1.
 pub fn table() -> Vec<Attribute> {
-    let sig = |short, notifies| (Uuid::Sig(short), notifies);
-    let vendor = |short, notifies| (Uuid::Vendor(short), notifies);
-    let services: [(Uuid, Vec<Row>); 10] = [
-        (
-            Uuid::Sig(0x1800),
-            vec![sig(0x2a00, false), sig(0x2a01, false), sig(0x2a04, false)],
-        ),
-        (Uuid::Sig(0x1801), vec![sig(0x2a05, true)]),
-        (Uuid::Sig(0x180a), vec![sig(0x2a29, false)]),
-        (Uuid::Sig(0x180f), vec![sig(0x2a19, true)]),
-        (
-            Uuid::Vendor(0x0001),
-            vec![
-                vendor(0x0101, false),
-                vendor(0x0201, false),
-                vendor(0x0401, false),
-            ],
-        ),
-        (
-            Uuid::Vendor(0x0002),
-            vec![vendor(0x0402, true), vendor(0x0502, true)],
-        ),
-        (Uuid::Vendor(0x0003), vec![vendor(0x0103, true)]),
-        (Uuid::Vendor(0x0004), vec![(UNUSED, true)]),
-        (
-            Uuid::Vendor(0x0005),
-            [0x0105, 0x0205, 0x0305, 0x0405]
-                .map(|short| vendor(short, true))
-                .to_vec(),
-        ),
-        (Uuid::Vendor(0x0006), vec![vendor(0x0602, true)]),
-    ];
     let mut table = Vec::new();
-    for (service, rows) in services {
+    for (service, notifies, characteristics) in SERVICES {
         table.push(Attribute::Constant(on_air(service)));
-        for (uuid, notifies) in rows {
+        for short in characteristics {
+            let uuid = match service {
+                Uuid::Sig(_) => Uuid::Sig(*short),
+                Uuid::Vendor(_) => Uuid::Vendor(*short),
+            };
             let value_handle = table.len() as u16 + 2;
             let mut declaration = vec![0];
             declaration.extend(value_handle.to_le_bytes());

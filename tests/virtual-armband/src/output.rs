@@ -1,5 +1,5 @@
 //! Files that a board of the tests writes, and a line of the pins' one:
-//! `PINS <time us> <last HCI byte us> valid=0 relax=0 ... pinch=0 armband=0 alignment=0`.
+//! `PINS <time us> <last HCI byte us> valid=0 relax=0 ... pinch=0 alignment=0`.
 
 use std::fmt;
 
@@ -23,8 +23,6 @@ pub struct PinLevels {
     pub valid: bool,
     /// Intents whose pin is high.
     pub high: Vec<Intent>,
-    /// Level of the LED that is lit while an armband streams.
-    pub armband: bool,
     /// Level of the LED of alignment and calibration.
     pub alignment_led: bool,
 }
@@ -40,7 +38,6 @@ impl PinLevels {
             last_byte_us,
             valid: false,
             high: Vec::new(),
-            armband: false,
             alignment_led: false,
         };
         for word in words {
@@ -52,7 +49,6 @@ impl PinLevels {
             };
             match Intent::from_name(name) {
                 None if name == "valid" => pins.valid = level,
-                None if name == "armband" => pins.armband = level,
                 None if name == "alignment" => pins.alignment_led = level,
                 None => return None,
                 Some(intent) if level => pins.high.push(intent),
@@ -76,7 +72,6 @@ impl fmt::Display for PinLevels {
             last_byte_us,
             valid,
             high,
-            armband,
             alignment_led,
         } = self;
         write!(
@@ -88,8 +83,7 @@ impl fmt::Display for PinLevels {
             let level = u8::from(high.contains(&intent));
             write!(formatter, " {}={level}", intent.name())?;
         }
-        let [armband, alignment] = [*armband, *alignment_led].map(u8::from);
-        write!(formatter, " armband={armband} alignment={alignment}")
+        write!(formatter, " alignment={}", u8::from(*alignment_led))
     }
 }
 
@@ -99,10 +93,10 @@ mod tests {
 
     #[test]
     fn levels_and_times_are_read_as_written_and_anything_else_is_no_line() {
-        let line = "PINS 5200 5000 valid=1 relax=0 open=1 close=0 wave-in=0 wave-out=0 pinch=0 armband=1 alignment=1";
+        let line = "PINS 5200 5000 valid=1 relax=0 open=1 close=0 wave-in=0 wave-out=0 pinch=0 alignment=1";
         let pins = PinLevels::parse(&format!("{line}\r\n")).unwrap();
         assert_eq!(pins.to_string(), line);
-        assert!(pins.valid && pins.armband && pins.alignment_led);
+        assert!(pins.valid && pins.alignment_led);
         assert_eq!(pins.high, [Intent::Open]);
         assert_eq!(pins.since_last_byte_us(), 200);
         let overtaken = PinLevels {

@@ -33,9 +33,6 @@ pub struct Scenario {
     /// Milliseconds from one connection event to the next: what is due between them comes at once. 0: everything when due.
     #[serde(default)]
     pub interval_ms: f64,
-    /// The EMG characteristic that a stream starts with.
-    #[serde(default)]
-    pub first_lane: u8,
     /// Faults of the armband.
     #[serde(default)]
     pub armband: Vec<ArmbandFault>,
@@ -66,7 +63,6 @@ impl Scenario {
         Behaviour {
             pace: self.pace,
             interval_ms: self.interval_ms,
-            first_lane: self.first_lane,
             end: self.end,
             steps: self.armband.clone(),
         }
@@ -140,25 +136,13 @@ pub enum Act {
     Install {
         /// Notifications before.
         at: usize,
-        /// Numbers of blocks after which the line is pulled, once for each.
-        #[serde(default)]
-        pulled_after: Vec<u32>,
-        /// Bytes of the block after them that have passed by then, 40 by default; if it is all of them, its answer is
-        /// not heard.
-        #[serde(default)]
-        pulled_byte: Vec<usize>,
-        /// Milliseconds until it is plugged in again.
-        #[serde(default = "a_second")]
-        pulled_ms: u64,
+        /// Number of blocks after which the line is pulled, in the middle of the next block and for a second.
+        pulled_after: Option<u32>,
     },
 }
 
 const fn once() -> usize {
     1
-}
-
-const fn a_second() -> u64 {
-    1000
 }
 
 impl Act {
@@ -225,12 +209,8 @@ pub enum BoardFault {
     TaskStops,
     /// Panic of a task.
     Panic,
-    /// A function that calls itself without end: the guard of the stack notices.
-    Recursion,
     /// A task loops and never returns to the executor.
     ExecutorStops,
-    /// The inference loops and never returns.
-    InferenceLoops,
     /// The inference takes 400 ms for one packet.
     InferencePauses,
     /// Nothing more comes from the Bluetooth stack.

@@ -7,8 +7,6 @@ use virtual_armband::BoardFault as Fault;
 
 use super::clock;
 use super::hardware;
-use super::power;
-use crate::reset_reason::ResetReason;
 
 /// Labels sent before the fault: enough that both outputs and UART have shown one.
 const LABELS_BEFORE: u32 = 3;
@@ -17,7 +15,6 @@ const LABEL: &[u8] = b"$LABEL";
 /// Microseconds of the inference's pause: longer than the dead-man timer waits, shorter than the watchdog.
 const PAUSE_US: u64 = 400_000;
 
-static INFERENCE_LOOPS: AtomicBool = AtomicBool::new(false);
 static INFERENCE_PAUSES: AtomicBool = AtomicBool::new(false);
 static RADIO_HAS_STOPPED: AtomicBool = AtomicBool::new(false);
 
@@ -30,19 +27,19 @@ pub async fn inject(fault: Option<Fault>, line: &[u8]) {
     if !line.starts_with(LABEL) || LABELS.fetch_add(1, Ordering::Relaxed) + 1 != LABELS_BEFORE {
         return;
     }
-    match fault {
-        Fault::InferenceLoops => return INFERENCE_LOOPS.store(true, Ordering::Relaxed),
-        Fault::InferencePauses => return INFERENCE_PAUSES.store(true, Ordering::Relaxed),
-        _ => {}
+    if fault == Fault::InferencePauses {
+        return INFERENCE_PAUSES.store(true, Ordering::Relaxed);
     }
     hardware::report_fault();
     match fault {
         Fault::TaskStops => future::pending().await,
-        Fault::ExecutorStops => loop_forever(),
+        // Holds the core up until the watchdog resets it.
+        Fault::ExecutorStops => loop {
+            clock::spend(1000);
+        },
         Fault::RadioStops => RADIO_HAS_STOPPED.store(true, Ordering::Relaxed),
-        Fault::Recursion => power::fail(&"stack overflow", ResetReason::StackOverflow),
         Fault::Panic => panic!("injected panic"),
-        Fault::InferenceLoops | Fault::InferencePauses | Fault::RadioNeverAnswers => {}
+        Fault::InferencePauses | Fault::RadioNeverAnswers => {}
     }
 }
 
@@ -53,12 +50,8 @@ pub fn inject_at_start(fault: Option<Fault>) {
     }
 }
 
-/// Injects the faults of the inference itself. To be called by the inference task.
+/// Injects the fault of the inference itself. To be called by the inference task.
 pub fn inject_into_inference() {
-    if INFERENCE_LOOPS.load(Ordering::Relaxed) {
-        hardware::report_fault();
-        loop_forever();
-    }
     if INFERENCE_PAUSES.swap(false, Ordering::Relaxed) {
         hardware::report_fault();
         clock::spend(PAUSE_US);
@@ -73,12 +66,5 @@ pub fn radio_has_stopped() -> bool {
 pub async fn radio_works() {
     if radio_has_stopped() {
         future::pending().await
-    }
-}
-
-/// Holds the core up until the watchdog resets it.
-fn loop_forever() -> ! {
-    loop {
-        clock::spend(1000);
     }
 }

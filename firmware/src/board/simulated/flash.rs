@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use embassy_time::Timer;
 
-use super::{hardware, power, surroundings};
+use super::{power, surroundings};
 use crate::flash::{self, Flash, FlashFailed, PAGE_BYTES, Region};
 use crate::reset_reason::ResetReason;
 
@@ -26,13 +26,11 @@ pub struct Files;
 impl Flash for Files {
     async fn erase(&mut self, page: u32) -> Result<(), FlashFailed> {
         Timer::after_micros(ERASE_US).await;
-        hardware::happened("ERASE", page);
         operate(page, PAGE_BYTES, |length| flash::erase(page, length))
     }
 
     async fn write(&mut self, address: u32, words: &[u8]) -> Result<(), FlashFailed> {
         Timer::after_micros(WORD_US * words.len() as u64 / 4).await;
-        hardware::happened("WRITE", address);
         operate(address, words.len() as u32, |length| {
             flash::program(address, &words[..length as usize]);
         })
@@ -68,7 +66,6 @@ fn operate(address: u32, length: u32, act: impl FnOnce(u32)) -> Result<(), Flash
         keep(path, region, offset, length).map_err(|_| FlashFailed)?;
     }
     if fails {
-        hardware::happened("POWER", hardware::packets_sent());
         power::reset(ResetReason::Power);
     }
     Ok(())

@@ -182,7 +182,6 @@ pub fn set_levels(state: PinState) {
             last_byte_us: hardware.last_received_us,
             valid: state.status.valid(),
             high: vec![state.status.label()],
-            armband: state.armband,
             alignment_led: state.alignment_led,
         };
         write(&mut hardware.levels, format_args!("{levels}\n"));

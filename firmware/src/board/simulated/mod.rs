@@ -128,7 +128,7 @@ fn prepare(arguments: &'static Arguments) -> anyhow::Result<Surroundings> {
 
 /// A panic resets the board.
 fn on_panic() {
-    std::panic::set_hook(Box::new(|panic| power::fail(panic, ResetReason::Software)));
+    std::panic::set_hook(Box::new(|panic| power::fail(panic)));
 }
 
 fn surroundings() -> &'static Surroundings {

@@ -1,7 +1,6 @@
 //! The person beside the board: presses its button, sends bytes to its UART.
 
 use std::collections::VecDeque;
-use std::iter::repeat;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -16,6 +15,8 @@ use virtual_armband::{Act, Acts, framed};
 const TURNAROUND_US: u64 = 1000;
 /// Microseconds without an answer after which the PC begins anew.
 const PATIENCE_US: u64 = 2_000_000;
+/// Microseconds for which the line is pulled.
+const PULLED_US: u64 = 1_000_000;
 /// Bytes of a block's line after which it is pulled.
 const PULLED_BYTE: usize = 40;
 
@@ -57,9 +58,8 @@ struct Sender {
     due_us: u64,
     /// Next command; none while an answer is awaited.
     next: Option<Command>,
-    /// Numbers of blocks after which the line is pulled, and at which byte.
-    pulls: VecDeque<(u32, usize)>,
-    pulled_us: u64,
+    /// Number of blocks after which the line is pulled.
+    pulled_after: Option<u32>,
     /// Time until which nothing from the board is heard.
     pulled_until_us: u64,
 }
@@ -101,19 +101,12 @@ impl ScenarioPerson {
                         self.sending.extend(text.chars().map(|byte| byte as u8));
                     }
                 }
-                Act::Install {
-                    pulled_after,
-                    pulled_byte,
-                    pulled_ms,
-                    ..
-                } => {
-                    let bytes = pulled_byte.into_iter().chain(repeat(PULLED_BYTE));
+                Act::Install { pulled_after, .. } => {
                     HEARD.lock().expect("nobody panics here").clear();
                     self.sender = Some(Sender {
                         due_us: now_us,
                         next: Some(Command::Install(Transfer::of(&self.file))),
-                        pulls: pulled_after.into_iter().zip(bytes).collect(),
-                        pulled_us: pulled_ms * 1000,
+                        pulled_after,
                         pulled_until_us: 0,
                     });
                 }
@@ -145,13 +138,14 @@ impl ScenarioPerson {
             Some(Ok(InstallationProgress::Next(number))) => {
                 let block = Command::Block(number, Block::of(&self.file, number));
                 let blocks = transfer.before(number);
-                let pull = sender.pulls.pop_front_if(|(after, _)| *after == blocks);
-                sender.next = Some(if pull.is_some() { begin } else { block });
+                let is_pulled = sender.pulled_after.take_if(|after| *after == blocks);
+                sender.next = Some(if is_pulled.is_some() { begin } else { block });
                 sender.due_us = now_us + TURNAROUND_US;
-                if let Some((_, byte)) = pull {
+                if is_pulled.is_some() {
                     // What was on its way is cut.
-                    self.sending.extend(block.to_string().bytes().take(byte));
-                    sender.due_us = now_us + sender.pulled_us;
+                    let cut = block.to_string();
+                    self.sending.extend(cut.bytes().take(PULLED_BYTE));
+                    sender.due_us = now_us + PULLED_US;
                     sender.pulled_until_us = sender.due_us;
                 }
             }

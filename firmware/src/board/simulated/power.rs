@@ -72,12 +72,12 @@ pub fn keep(arguments: Arguments) -> &'static Arguments {
 }
 
 /// Makes the outputs safe, writes a message, and resets, as a board does after a panic.
-pub fn fail(message: &dyn Display, reason: ResetReason) -> ! {
+pub fn fail(message: &dyn Display) -> ! {
     hardware::set_levels(PinState::SAFE);
     let message = message.to_string().replace('\n', " ");
     let line = format!("# {message}\r\n");
     hardware::write_line(line.as_bytes(), hardware::now_us());
-    reset(reason)
+    reset(ResetReason::Software)
 }
 
 /// Starts the program anew, at this instant of the scenario.

@@ -79,8 +79,6 @@ pub struct SoftDevice {
     pub air: Air,
     /// Operations of flash.
     pub flash: Flash,
-    /// Most events that waited at a time.
-    pub most_waiting: usize,
     /// True if the program has asked for the high-frequency crystal between radio events too.
     pub keeps_crystal: bool,
 }
@@ -105,14 +103,12 @@ impl SoftDevice {
         *self = Self {
             air: std::mem::take(&mut self.air),
             flash: std::mem::take(&mut self.flash),
-            most_waiting: self.most_waiting,
             ..Self::new(self.kind)
         };
     }
 
     fn push(&mut self, event: Vec<u8>) {
         self.events.push_back(event);
-        self.most_waiting = self.most_waiting.max(self.events.len());
         self.interrupts = true;
     }
 
