@@ -26,7 +26,6 @@ use crate::readers::label_file::{from_number, from_text};
 use crate::readers::npy::{Array, Values};
 use crate::readers::path::{is_number, left_arm, stem};
 use crate::readers::table;
-use crate::readers::table::auxiliary::Texts;
 use crate::readers::table::columns::Columns;
 use crate::readers::table::one_hot;
 use crate::recording::{Recording, Timing};
@@ -70,19 +69,21 @@ pub(crate) fn table(
     let damage = |damage: Damage| damage.in_file(path);
     let has = |name: &&str| columns.position(name).is_some();
     let is_recorded = RECORDER_COLUMNS.iter().all(has);
-    let (mut rows, texts) = TABLE.table(text, columns).map_err(damage)?;
-    place(&mut rows, columns, &texts).map_err(damage)?;
+    let mut rows = TABLE.table(text, columns).map_err(damage)?;
+    place(&mut rows, text, columns).map_err(damage)?;
     let movement = columns.position(MOVEMENT_COLUMN).filter(|_| is_recorded);
     if let (Some(label), Some(movement)) = (columns.label, movement) {
-        let both = texts[&label].iter().zip(&texts[&movement]);
-        let word = |(&label, &name): (&_, &_)| {
-            let is_named = !str::is_empty(name) && from_text(label) == Ok(Motion::OTHER);
+        let both = columns
+            .texts(text, label)
+            .zip(columns.texts(text, movement));
+        let words = both.map(|(label, name)| {
+            let is_named = !name.is_empty() && from_text(label) == Ok(Motion::OTHER);
             if is_named { name } else { label }
-        };
-        rows.labels.words = Some(both.map(word).collect());
+        });
+        rows.labels.words = Some(words.collect());
     }
     let (mut notes, mut unread) = (Vec::new(), None);
-    match one_hot::find(columns, &texts) {
+    match one_hot::find(text, columns) {
         Some(one_hot::Found::Labels(motions, note)) => {
             rows.labels.words = Some(motions.into_iter().map(Motion::name).collect());
             notes.push(printable(&note));
@@ -119,13 +120,15 @@ pub(crate) fn table(
 }
 
 /// Rearranges the channels of rows as the columns of a board's alignment say.
-fn place(rows: &mut Rows, columns: &Columns, texts: &Texts<'_>) -> Result<(), Damage> {
+fn place(rows: &mut Rows, text: &str, columns: &Columns) -> Result<(), Damage> {
     let both = [TURN_COLUMN, MIRRORED_COLUMN].map(|name| columns.position(name));
     let [Some(turns), Some(mirrored)] = both else {
         return Ok(());
     };
-    for (row, sample) in rows.samples.iter_mut().enumerate() {
-        let number = |at| table::number(at + 1, &columns.separator.number(texts[&at][row]));
+    let samples = rows.samples.iter_mut().enumerate();
+    for ((row, sample), line) in samples.zip(columns.rows(text)) {
+        let (_, fields) = line?;
+        let number = |at: usize| table::number(at + 1, &columns.separator.number(fields[at]));
         let placement = number(turns).and_then(|turn| {
             let mirrored = number(mirrored)?;
             placement(turn, mirrored).ok_or_else(|| {

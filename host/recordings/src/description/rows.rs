@@ -13,7 +13,7 @@ use crate::readers::error::excerpt::excerpt;
 use crate::readers::error::{self, Damage, EMPTY, LoadError, Place};
 use crate::readers::label_file::{self, Purpose};
 use crate::readers::npy::{self, Array, Values};
-use crate::readers::table::auxiliary::{Auxiliary, Texts};
+use crate::readers::table::auxiliary::Auxiliary;
 use crate::readers::table::columns::{Columns, unnamed};
 use crate::readers::table::head::Head;
 use crate::readers::table::separator::Separator;
@@ -89,8 +89,7 @@ impl Description {
                 let text = str::from_utf8(bytes).map_err(Damage::of_text)?;
                 let text = text.trim_start_matches('\u{feff}');
                 wide::in_table(text, true)?;
-                let (rows, _) = self.table(text, &self.columns(text)?)?;
-                Ok(rows)
+                self.table(text, &self.columns(text)?)
             }
             FileKind::Empty => Err(Damage::of_file(EMPTY)),
             found => {
@@ -100,17 +99,11 @@ impl Description {
         }
     }
 
-    /// Rows of a table of these columns, and the texts beside the channels.
-    pub(super) fn table<'t>(
-        &self,
-        text: &'t str,
-        columns: &Columns,
-    ) -> Result<(Rows, Texts<'t>), Damage> {
+    /// Rows of a table of these columns.
+    pub(super) fn table(&self, text: &str, columns: &Columns) -> Result<Rows, Damage> {
         let at = |time| position(time, &columns.names, columns.count, columns.first_line);
         let time = self.time.as_ref().map(at).transpose()?;
         let (mut samples, mut lines) = (Samples::default(), Vec::new());
-        let beside = columns.others().chain(columns.label);
-        let mut texts: Texts<'t> = beside.map(|at| (at, Vec::new())).collect();
         for row in columns.rows(text) {
             let (line, fields) = row?;
             let at_line = |fault| Damage::at_line(line, fault);
@@ -120,17 +113,15 @@ impl Description {
                 *count = table::number(at + 1, &text).map_err(at_line)? * self.scale;
             }
             samples.push(&counts, columns.channels[0] + 1, at_line);
-            texts
-                .iter_mut()
-                .for_each(|(&at, texts)| texts.push(fields[at]));
             lines.push(line);
         }
-        let words = columns.label.map(|label| texts[&label].iter().collect());
-        let rows = Rows {
-            auxiliary: Auxiliary::of_table(columns, time, &texts),
+        let words = columns
+            .label
+            .map(|label| columns.texts(text, label).collect());
+        Ok(Rows {
+            auxiliary: Auxiliary::of_table(text, columns, time),
             ..Rows::of(samples.finish()?, words, At::Lines(lines))
-        };
-        Ok((rows, texts))
+        })
     }
 
     /// Columns of a table.

@@ -44,7 +44,10 @@ fn plain(name: &str) -> String {
 const MOST_DEVICES: usize = 9;
 
 /// Refuses rows of several armbands, by the texts of a column of this name.
-pub(crate) fn of_devices(name: &str, texts: &[&str]) -> Result<(), Finding> {
+pub(crate) fn of_devices<'t>(
+    name: &str,
+    texts: impl Iterator<Item = &'t str>,
+) -> Result<(), Finding> {
     let mut rows: BTreeMap<&str, usize> = BTreeMap::new();
     let (mut last, mut changes) = ("", 0);
     for text in texts {

@@ -1,7 +1,5 @@
 //! Columns beside the channels of a table: a clock, and from which armband a row came.
 
-use std::collections::BTreeMap;
-
 use shared::units::Sample;
 
 use crate::examiner::bands::{is_device, of_devices};
@@ -12,9 +10,6 @@ use crate::readers::table::columns::Columns;
 
 /// Column of recordings by `myointent record` that says which samples were filled in.
 const FILLED_IN: &str = "bridged";
-
-/// Texts of the columns that are no channels, by column.
-pub(crate) type Texts<'t> = BTreeMap<usize, Vec<&'t str>>;
 
 /// Findings in the columns beside the channels: clock, devices, marks of filled-in samples.
 #[derive(Default)]
@@ -28,12 +23,13 @@ pub(crate) struct Auxiliary {
 }
 
 impl Auxiliary {
-    /// Judges the columns of a table; the only clock is column `time`, if that is described.
-    pub fn of_table(columns: &Columns, time: Option<usize>, texts: &Texts<'_>) -> Self {
+    /// Judges the columns of a text; the only clock is column `time`, if that is described.
+    pub fn of_table(text: &str, columns: &Columns, time: Option<usize>) -> Self {
         let device = columns.others().find(|&at| is_device(&columns.name(at)));
-        let devices = device.and_then(|at| of_devices(&columns.name(at), &texts[&at]).err());
-        let second = |text: &&str| seconds_of(&columns.separator.number(text)).unwrap_or(f64::NAN);
-        let times = |at| texts.get(&at).into_iter().flatten().map(second);
+        let devices =
+            device.and_then(|at| of_devices(&columns.name(at), columns.texts(text, at)).err());
+        let second = |text: &str| seconds_of(&columns.separator.number(text)).unwrap_or(f64::NAN);
+        let times = |at| columns.texts(text, at).map(second);
         Self {
             devices,
             filled_in: columns.position(FILLED_IN).is_some(),

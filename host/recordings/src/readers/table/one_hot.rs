@@ -1,6 +1,5 @@
 //! Labels as a column for each class, of which one is 1 in a row.
 
-use super::auxiliary::Texts;
 use super::columns::Columns;
 use crate::labels::motion::Motion;
 
@@ -20,14 +19,14 @@ pub(crate) enum Found {
 }
 
 /// Labels of the rows by columns beside the channels, where no column has the labels; none without such columns.
-pub(crate) fn find(columns: &Columns, texts: &Texts<'_>) -> Option<Found> {
+pub(crate) fn find(text: &str, columns: &Columns) -> Option<Found> {
     if columns.label.is_some() || columns.names.is_empty() {
         return None;
     }
     let mut found: Vec<(&str, Vec<bool>)> = Vec::new();
-    for (&at, texts) in texts {
+    for at in columns.others() {
         // A column with anything but 0 and 1, or without a 1, has no label.
-        let values: Option<Vec<bool>> = texts.iter().map(|text| value(text)).collect();
+        let values: Option<Vec<bool>> = columns.texts(text, at).map(value).collect();
         let values = values.filter(|values| values.contains(&true));
         found.extend(values.map(|values| (columns.names[at].trim(), values)));
     }
