@@ -178,3 +178,30 @@ pub(super) fn refuse_impossible(preset: &Preset, device: &Device) -> Result<(), 
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use std::thread;
+
+    use burn::nn::LinearConfig;
+
+    use super::*;
+    use crate::optimization::initial;
+    use crate::weights::values;
+
+    #[test]
+    fn a_student_that_is_tried_changes_no_weights_of_a_training_beside_it() {
+        let preset = Preset::find("cpu").unwrap();
+        let device = Device::default();
+        let create = || LinearConfig::new(200, 300).init(&device);
+        let drawn = || values(&initial(5, &device, create));
+        let expected = drawn();
+        thread::scope(|scope| {
+            let tries = || (0..20).for_each(|_| refuse_impossible(&preset, &device).unwrap());
+            let tries = scope.spawn(tries);
+            while !tries.is_finished() {
+                assert!(drawn() == expected, "other weights of the same seed");
+            }
+        });
+    }
+}
