@@ -64,7 +64,7 @@ fn paper() -> TeacherConfig {
 pub fn reference(golden: &Path, file: &str, device: &Device) -> Teacher {
     load(
         &golden.join("model").join(file),
-        Teacher::new(&paper(), CLASSES, device),
+        Teacher::new(1, &paper(), CLASSES, device),
     )
     .unwrap()
 }
@@ -197,7 +197,7 @@ fn both_formats_are_read_and_written_back_bit_for_bit() {
 fn the_preset_paper_has_the_references_parameters() {
     let golden = golden();
     let index = json(&golden.join("model/index.json"));
-    let teacher = Teacher::new(&paper(), CLASSES, &Device::default());
+    let teacher = Teacher::new(1, &paper(), CLASSES, &Device::default());
     assert_eq!(
         teacher.num_params() as u64,
         index["trainable_parameters"].as_u64().unwrap()

@@ -44,8 +44,8 @@ impl TrainedBaseline {
         let made_from = features.lineage(streams);
         let from = (baseline, run, made_from, device);
         let predict = match baseline {
-            Baseline::Lstm => load(LstmBaseline::new(classes, device), from)?,
-            Baseline::EdTcn => load(EdTcn::new(classes, device), from)?,
+            Baseline::Lstm => load(LstmBaseline::new(0, classes, device), from)?,
+            Baseline::EdTcn => load(EdTcn::new(0, classes, device), from)?,
         };
         Ok(Self {
             features,

@@ -63,7 +63,7 @@ fn logits_of_the_teacher_do_not_change_with_later_samples() {
         dropout: 0.0,
         attention_dropout: 0.0,
     };
-    let model = Teacher::new(&config, 3, &device);
+    let model = Teacher::new(1, &config, 3, &device);
     is_causal(|emg| teacher_logits(&model, config.window_shape(), emg, &device));
 }
 
@@ -78,7 +78,7 @@ fn logits_of_the_float_student_do_not_change_with_later_samples() {
         companding: Companding::SquareRoot,
         board: true,
     };
-    let model = Student::new(&config, 3, false, &device);
+    let model = Student::new(1, &config, 3, false, &device);
     is_causal(|emg| student_logits(&model, emg, &device));
 }
 

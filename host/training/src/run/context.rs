@@ -150,7 +150,7 @@ pub fn load_teacher(
 ) -> Result<Teacher, RunError> {
     let preset = &config.preset;
     let (name, made_from) = (presets::teacher::NAME, config.teacher_lineage());
-    let teacher = Teacher::new(&preset.teacher, preset.classes, device);
+    let teacher = Teacher::new(preset.seed, &preset.teacher, preset.classes, device);
     Ok(load_model(folder, name, made_from, teacher)?.valid())
 }
 
@@ -163,6 +163,7 @@ pub fn load_student(
 ) -> Result<Student, RunError> {
     let preset = &config.preset;
     let made_from = config.student_lineage(name, folder)?;
-    let student = Student::new(&preset.student, preset.classes, preset.other(), device);
+    let (seed, other) = (preset.seed, preset.other());
+    let student = Student::new(seed, &preset.student, preset.classes, other, device);
     Ok(load_model(folder, name, made_from, student)?.valid())
 }

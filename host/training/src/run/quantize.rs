@@ -159,7 +159,8 @@ fn data_sets(subjects: &[String]) -> Vec<String> {
 /// Refuses a student that cannot become a model file, or that no board can run. A student with random weights is written,
 /// read and loaded by the code that will do so with the trained one.
 pub(super) fn refuse_impossible(preset: &Preset, device: &Device) -> Result<(), StepError> {
-    let student = Student::new(&preset.student, preset.classes, preset.other(), device);
+    let (seed, other) = (preset.seed, preset.other());
+    let student = Student::new(seed, &preset.student, preset.classes, other, device);
     let smoother = preset.smoother_defaults(AggregationMode::AllRowsFrom);
     let provenance = ProvenanceParts::default();
     let (config, vocabulary) = (&preset.student, preset.vocabulary());

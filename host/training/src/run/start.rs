@@ -33,7 +33,7 @@ mod tests {
         let run = RunFolder::open(folder.path()).unwrap();
         config.save(&run).unwrap();
         let device = burn::tensor::Device::default();
-        let teacher = Teacher::new(&config.preset.teacher, config.preset.classes, &device);
+        let teacher = Teacher::new(1, &config.preset.teacher, config.preset.classes, &device);
         let lineage = config.teacher_lineage();
         save_model(&run, presets::teacher::NAME, lineage, &teacher).unwrap();
         folder
@@ -59,7 +59,12 @@ mod tests {
         let config = resolve(&["own/p1"], &["own/p3"]).unwrap();
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("teacher.safetensors");
-        let teacher = Teacher::new(&config.preset.teacher, 3, &burn::tensor::Device::default());
+        let teacher = Teacher::new(
+            1,
+            &config.preset.teacher,
+            3,
+            &burn::tensor::Device::default(),
+        );
         checkpoint::save(&file, &teacher, &config.subjects_seen()).unwrap();
         let mut other = resolve(&["own/p2"], &["own/p3"]).unwrap();
         let error = start_from(&mut other, &file).unwrap_err().to_string();

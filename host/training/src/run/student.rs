@@ -8,7 +8,6 @@ use super::error::StepError;
 use super::quantize::refuse_impossible;
 use super::soft_targets::soft_targets;
 use crate::optimization::fit::fit;
-use crate::optimization::initial;
 use crate::student::ensemble::Ensemble;
 use crate::student::learner::{StudentLearner, Teaching};
 use crate::student::model::Student;
@@ -66,9 +65,7 @@ fn student(
     let seed = context.config.student_seed(name);
     let made_from = context.config.student_lineage(name, &context.folder)?;
     let (device, other) = (&context.device, preset.other());
-    let model = initial(seed, device, || {
-        Student::new(&preset.student, preset.classes, other, device)
-    });
+    let model = Student::new(seed, &preset.student, preset.classes, other, device);
     let learner = StudentLearner::new(
         name,
         preset.student.span,
@@ -76,7 +73,7 @@ fn student(
         teaching,
         &streams.validation,
         config,
-        &context.device,
+        device,
     );
     Ok(fit(
         &learner,

@@ -6,7 +6,6 @@ use super::context::RunContext;
 use super::error::StepError;
 use super::quantize::refuse_impossible;
 use super::student::train_student;
-use crate::optimization::initial;
 use crate::teacher;
 use crate::teacher::learner::TeacherLearner;
 use crate::teacher::model::Teacher;
@@ -43,9 +42,8 @@ pub fn train_teacher(context: &RunContext) -> Result<(), StepError> {
         validation.seconds(),
     ));
     let made_from = context.config.teacher_lineage();
-    let mut model = initial(preset.seed, &context.device, || {
-        Teacher::new(&preset.teacher, preset.classes, &context.device)
-    });
+    let device = &context.device;
+    let mut model = Teacher::new(preset.seed, &preset.teacher, preset.classes, device);
     if let Some(start) = &context.config.start {
         if lineage::start_weights(start).ok() != context.config.start_weights {
             let start = start.clone();
@@ -63,7 +61,7 @@ pub fn train_teacher(context: &RunContext) -> Result<(), StepError> {
         &validation,
         &preset.teacher_training,
         preset.seed,
-        &context.device,
+        device,
     );
     learner.train(model, &context.training(made_from))?;
     Ok(())

@@ -18,7 +18,9 @@ pub fn dequantize(parts: &ModelParts, device: &Device) -> (Student, StudentConfi
         companding: parts.companding,
         board: true,
     };
+    // The weights of any seed: all are replaced.
     let mut student = Student::new(
+        0,
         &config,
         dimensions.vocabulary.classes(),
         dimensions.other,

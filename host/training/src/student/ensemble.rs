@@ -50,10 +50,7 @@ mod tests {
         let device = Device::default().autodiff();
         let config = Preset::find("cpu").unwrap().student;
         let members: Vec<Student> = (0..3)
-            .map(|seed| {
-                device.seed(seed);
-                Student::new(&config, 3, true, &device).valid()
-            })
+            .map(|seed| Student::new(seed, &config, 3, true, &device).valid())
             .collect();
         let emg = Tensor::<3>::random([2, 40, 80], Distribution::Uniform(0.0, 1.0), &device);
         let each: Vec<Vec<f32>> = members

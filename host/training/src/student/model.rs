@@ -7,6 +7,7 @@ use burn::tensor::{Device, Tensor};
 use shared::model::dimensions::Companding;
 use shared::units::{CHANNELS, LOOK_BACK, PATCH};
 
+use crate::optimization::initial;
 pub use presets::distillation::StudentConfig;
 
 /// Constant added to a variance before its root is taken.
@@ -35,8 +36,14 @@ pub struct Student {
 }
 
 impl Student {
-    /// Creates a model with random weights for `classes` intents and, with `other`, other movement.
-    pub fn new(config: &StudentConfig, classes: usize, other: bool, device: &Device) -> Self {
+    /// Creates a model for `classes` intents and, with `other`, other movement, with the random weights of a seed.
+    pub fn new(
+        seed: u64,
+        config: &StudentConfig,
+        classes: usize,
+        other: bool,
+        device: &Device,
+    ) -> Self {
         let d = config.d_model;
         let norm = || {
             LayerNormConfig::new(d)
@@ -54,14 +61,14 @@ impl Student {
             heads: config.heads,
             span: config.span,
         };
-        Self {
+        initial(seed, device, || Self {
             embed: LinearConfig::new(CHANNELS * PATCH, d).init(device),
             layers: (0..config.layers).map(|_| layer()).collect(),
             final_norm: norm(),
             head: LinearConfig::new(d, LOOK_BACK * (classes + usize::from(other))).init(device),
             other,
             square_root: config.companding == Companding::SquareRoot,
-        }
+        })
     }
 }
 

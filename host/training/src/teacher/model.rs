@@ -13,6 +13,7 @@ use shared::units::CHANNELS;
 use super::attention::attend;
 use super::feed_forward::activate;
 use crate::optimization::dropout::Dropout;
+use crate::optimization::initial;
 pub use presets::teacher::{TeacherConfig, WindowShape};
 
 /// Initial values of the learned positional encoding: sinusoids of many wavelengths. From random values, a short training
@@ -64,14 +65,14 @@ pub(super) struct TeacherLayer {
 }
 
 impl Teacher {
-    /// Creates a model with random weights for `classes` intents, and MASK as one more class.
-    pub fn new(config: &TeacherConfig, classes: usize, device: &Device) -> Self {
+    /// Creates a model for `classes` intents, and MASK as one more class, with the random weights of a seed.
+    pub fn new(seed: u64, config: &TeacherConfig, classes: usize, device: &Device) -> Self {
         let d = config.d_model;
         let small = Initializer::Normal {
             mean: 0.0,
             std: 0.02,
         };
-        Self {
+        initial(seed, device, || Self {
             emg_embedding: LinearConfig::new(CHANNELS * config.patch, d).init(device),
             emg_norm: LayerNormConfig::new(d).init(device),
             emg_mask: small.init([d], device),
@@ -89,7 +90,7 @@ impl Teacher {
             emg_head: LinearConfig::new(d, CHANNELS * config.patch).init(device),
             intent_head: LinearConfig::new(d, (classes + 1) * config.patch).init(device),
             square_root: config.companding == Companding::SquareRoot,
-        }
+        })
     }
 }
 

@@ -6,6 +6,7 @@ use burn::nn::conv::{Conv1d, Conv1dConfig};
 use burn::tensor::activation::relu;
 use burn::tensor::{Device, Tensor};
 use shared::units::CHANNELS;
+use training::optimization::initial;
 
 use super::Network;
 
@@ -23,8 +24,8 @@ pub(crate) struct EdTcn {
 }
 
 impl EdTcn {
-    /// Creates a network with random weights.
-    pub(crate) fn new(classes: usize, device: &Device) -> Self {
+    /// Creates a network with the random weights of a seed.
+    pub(crate) fn new(seed: u64, classes: usize, device: &Device) -> Self {
         let [outer, inner] = FILTERS;
         let half = KERNEL / 2;
         let convolution = |from, to| {
@@ -32,11 +33,11 @@ impl EdTcn {
                 .with_padding(PaddingConfig1d::Explicit(half, half))
                 .init(device)
         };
-        Self {
+        initial(seed, device, || Self {
             encoder: vec![convolution(CHANNELS, outer), convolution(outer, inner)],
             decoder: vec![convolution(inner, inner), convolution(inner, outer)],
             out: Conv1dConfig::new(outer, classes, 1).init(device),
-        }
+        })
     }
 }
 
@@ -101,13 +102,11 @@ mod tests {
     use burn::tensor::Distribution;
 
     use super::*;
-    use crate::baselines::networks::lock_random_weights;
     use training::optimization::read_back;
 
     #[test]
     fn has_as_many_parameters_as_counted_by_hand() {
-        let _lock = lock_random_weights();
-        let model = EdTcn::new(3, &Device::default());
+        let model = EdTcn::new(1, 3, &Device::default());
         let encoder = (8 * 9 + 1) * 128 + (128 * 9 + 1) * 288;
         let decoder = (288 * 9 + 1) * 288 + (288 * 9 + 1) * 128;
         assert_eq!(model.num_params(), encoder + decoder + (128 + 1) * 3);
@@ -115,29 +114,23 @@ mod tests {
 
     #[test]
     fn logits_are_in_the_order_of_the_frames() {
-        let _lock = lock_random_weights();
         let device = Device::default();
         let x = Tensor::<3>::from_floats([[[1.0, 2.0], [3.0, 4.0]]], &device);
         let found = read_back(upsampled(x));
         assert_eq!(found, [1.0, 2.0, 1.0, 2.0, 3.0, 4.0, 3.0, 4.0]);
-        let model = EdTcn::new(3, &device);
+        let model = EdTcn::new(1, 3, &device);
         let logits = model.forward(Tensor::ones([2, 160], &device));
         assert_eq!(logits.dims(), [2, 20, 3]);
     }
 
     #[test]
     fn convolutions_and_poolings_are_those_of_burn() {
-        let _lock = lock_random_weights();
         let device = Device::default().autodiff();
-        device.seed(5);
         let convolution = Conv1dConfig::new(8, 12, 9)
             .with_padding(PaddingConfig1d::Explicit(4, 4))
             .init(&device);
-        let input = || {
-            Tensor::<3>::random([3, 11, 8], Distribution::Normal(0.0, 1.0), &device).require_grad()
-        };
-        device.seed(6);
-        let x = input();
+        let x = Tensor::<3>::random([3, 11, 8], Distribution::Normal(0.0, 1.0), &device);
+        let x = x.require_grad();
         let ours = pooled(convolved(&convolution, x.clone()));
         let pool = MaxPool1dConfig::new(2).with_stride(2).init();
         let burns = pool

@@ -5,6 +5,7 @@ use burn::nn::lstm::{Lstm, LstmConfig};
 use burn::nn::{Initializer, Linear, LinearConfig};
 use burn::tensor::{Device, Tensor};
 use shared::units::CHANNELS;
+use training::optimization::initial;
 
 use super::Network;
 
@@ -22,11 +23,11 @@ pub(crate) struct LstmBaseline {
 }
 
 impl LstmBaseline {
-    /// Creates a network with random weights.
-    pub(crate) fn new(classes: usize, device: &Device) -> Self {
+    /// Creates a network with the random weights of a seed.
+    pub(crate) fn new(seed: u64, classes: usize, device: &Device) -> Self {
         // PyTorch's initialization, not Burn's.
         let bound = 1.0 / (HIDDEN as f64).sqrt();
-        Self {
+        initial(seed, device, || Self {
             projection: LinearConfig::new(CHANNELS, PROJECTION).init(device),
             lstm: LstmConfig::new(PROJECTION, HIDDEN, true)
                 .with_initializer(Initializer::Uniform {
@@ -35,7 +36,7 @@ impl LstmBaseline {
                 })
                 .init(device),
             out: LinearConfig::new(HIDDEN, classes).init(device),
-        }
+        })
     }
 }
 
@@ -60,13 +61,11 @@ impl Network for LstmBaseline {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::baselines::networks::lock_random_weights;
     use training::optimization::read_back;
 
     #[test]
     fn has_as_many_parameters_as_counted_by_hand() {
-        let _lock = lock_random_weights();
-        let model = LstmBaseline::new(3, &Device::default());
+        let model = LstmBaseline::new(1, 3, &Device::default());
         // Four gates, each with one bias for the input and one for the state, as in PyTorch.
         let gates = 4 * (400 * 256 + 256 + 256 * 256 + 256);
         assert_eq!(model.num_params(), (8 + 1) * 400 + gates + (256 + 1) * 3);
@@ -74,9 +73,8 @@ mod tests {
 
     #[test]
     fn single_time_steps_equal_the_whole_sequence() {
-        let _lock = lock_random_weights();
         let device = Device::default();
-        let model = LstmBaseline::new(3, &device);
+        let model = LstmBaseline::new(1, 3, &device);
         let input: Vec<f32> = (0..2 * 5 * 8_u8)
             .map(|x| (f32::from(x) * 0.7).sin())
             .collect();

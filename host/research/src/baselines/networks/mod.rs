@@ -14,12 +14,3 @@ pub(crate) trait Network: Module + Sync {
     /// Computes logits, `[windows, frames, classes]`, from a batch of inputs `[windows, numbers]` of the feature extraction.
     fn forward(&self, input: Tensor<2>) -> Tensor<3>;
 }
-
-/// Locks the random weights for a test: a backend has one random generator a process, so parallel tests would get each
-/// other's numbers in spite of their seeds.
-#[cfg(test)]
-pub(crate) fn lock_random_weights() -> std::sync::MutexGuard<'static, ()> {
-    static LOCK: std::sync::Mutex<()> = std::sync::Mutex::new(());
-    LOCK.lock()
-        .unwrap_or_else(std::sync::PoisonError::into_inner)
-}

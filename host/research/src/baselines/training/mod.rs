@@ -19,7 +19,6 @@ use execution::progress;
 use presets::training::LrSchedule;
 use recordings::corpus::Corpus;
 use training::optimization::fit::{TrainConfig, Training, fit};
-use training::optimization::initial;
 use training::run::context::RunContext;
 
 /// Data and settings of a training.
@@ -60,10 +59,10 @@ pub(crate) fn train_baseline(
 
 /// Trains one baseline and saves it in the run folder: its feature extraction and the network of the lowest validation loss.
 fn train(baseline: Baseline, setup: &Setup<'_>) -> Result<(), JobError> {
-    let device = setup.device;
+    let (seed, device) = (setup.seed, setup.device);
     match baseline {
-        Baseline::Lstm => train_network(baseline, setup, |of| LstmBaseline::new(of, device)),
-        Baseline::EdTcn => train_network(baseline, setup, |of| EdTcn::new(of, device)),
+        Baseline::Lstm => train_network(baseline, setup, |of| LstmBaseline::new(seed, of, device)),
+        Baseline::EdTcn => train_network(baseline, setup, |of| EdTcn::new(seed, of, device)),
     }
 }
 
@@ -121,8 +120,7 @@ fn train_network<N: Network>(
         device: setup.device,
         network: PhantomData,
     };
-    let network = initial(setup.seed, setup.device, || network(classes));
-    fit(&learner, network, config, &place)?;
+    fit(&learner, network(classes), config, &place)?;
     Ok(())
 }
 

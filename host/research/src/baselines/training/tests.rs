@@ -2,7 +2,6 @@
 
 use super::*;
 use crate::baselines::inference::TrainedBaseline;
-use crate::baselines::networks::lock_random_weights;
 use execution::fingerprint::Fingerprint;
 use execution::interrupt::Interrupt;
 use execution::run_folder::RunFolder;
@@ -39,7 +38,6 @@ fn corpus(seed: u64) -> Corpus {
 
 /// Trains on one synthetic stream and returns the share of another stream's patches that are classified correctly.
 fn accuracy_after(baseline: Baseline, settings: &BaselineSettings) -> f64 {
-    let _lock = lock_random_weights();
     let (training, unseen) = (corpus(1), corpus(2));
     let folder = tempfile::tempdir().unwrap();
     let run = RunFolder::open(folder.path()).unwrap();

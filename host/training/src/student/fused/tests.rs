@@ -27,7 +27,7 @@ fn config(d_model: usize, layers: usize, span: usize) -> StudentConfig {
 fn student(config: &StudentConfig) -> Student {
     let rng = ChaCha8Rng::seed_from_u64(3);
     let device = Device::flex().autodiff();
-    Student::new(config, CLASSES, false, &device)
+    Student::new(1, config, CLASSES, false, &device)
         .valid()
         .map(&mut RandomParameters(rng))
 }
