@@ -27,35 +27,6 @@ pub const AGAIN: usize = 66;
 /// Samples of a decision between the arms, in each of which the encoder takes a patch: 53 for either.
 const DECISION: usize = 106;
 
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Counts {
-    /// The whole pipeline for a patch while gestures are waited for.
-    waiting: Spans,
-    /// The whole pipeline for the sample with which the alignment ends.
-    end: Spans,
-    /// The whole pipeline for each sample after it, until the encoder has taken the window.
-    again: Spans,
-    /// The fit of 16 placements alone.
-    fit: Spans,
-    /// Another order of the window's electrodes alone, and the encoder's memory cleared.
-    turn: Spans,
-    /// The whole pipeline for each sample while the model decides on the arm, the first and the last one included.
-    arm: Spans,
-}
-
-impl Counts {
-    pub fn named(&self) -> [(&'static str, Spans); 6] {
-        [
-            ("align-patch", self.waiting),
-            ("align-end", self.end),
-            ("align-again", self.again),
-            ("align-fit", self.fit),
-            ("align-turn", self.turn),
-            ("align-arm", self.arm),
-        ]
-    }
-}
-
 /// A template of this mean, 2 nats per square octave in every direction.
 fn about(mean: [i16; CHANNELS]) -> Template {
     Template::round(mean, 2).expect("means below 8 octaves, a positive diagonal")
@@ -89,16 +60,16 @@ pub fn noise() -> impl FnMut(i32) -> i32 {
     }
 }
 
-/// Counts one alignment.
+/// Counts one alignment, by the names of its parts.
 ///
 /// # Panics
 /// If the placement is not found: then something else was counted.
-pub fn count<E: Encode + Copy>(encoder: E, model: &Model<'_>) -> Counts {
+pub fn count<E: Encode + Copy>(encoder: E, model: &Model<'_>) -> [(&'static str, Spans); 6] {
     let mut memory = encoder.fresh();
     let mut pipeline = Pipeline::of_model(model, encoder, &mut memory).expect("good settings");
     pipeline.set_template(Some(ramp()));
     let clock = Clock::new();
-    let mut counts = Counts::default();
+    let [mut waiting, mut end, mut again, mut fit, mut turn] = [Spans::default(); 5];
     let mut patch = 0;
     let mut ended = None;
     let mut now = Millis(0);
@@ -115,15 +86,15 @@ pub fn count<E: Encode + Copy>(encoder: E, model: &Model<'_>) -> Counts {
             (AlignmentPhase::Waiting, AlignmentPhase::Waiting, _) => {
                 patch += instructions;
                 if (index - BEGINS) % PATCH == PATCH - 1 {
-                    counts.waiting.push(patch);
+                    waiting.push(patch);
                     patch = 0;
                 }
             }
             (AlignmentPhase::Waiting, AlignmentPhase::Aligned, _) => {
-                counts.end.push(instructions);
+                end.push(instructions);
                 ended = Some(index);
             }
-            (_, _, Some(end)) if index <= end + AGAIN - 1 => counts.again.push(instructions),
+            (_, _, Some(last)) if index < last + AGAIN => again.push(instructions),
             _ => {}
         }
     }
@@ -134,12 +105,22 @@ pub fn count<E: Encode + Copy>(encoder: E, model: &Model<'_>) -> Counts {
     // As after the gestures, and back.
     let means = black_box(GESTURE.map(|most| 32 * most as u32));
     let template = black_box(ramp());
-    let (_, fit) = clock.span(|| template.fit(Profile::new(means)));
-    counts.fit.push(fit);
-    let ((), turn) = clock.span(|| pipeline.set_alignment(Alignment::NONE));
-    counts.turn.push(turn);
-    counts.arm = arm(encoder, model, &clock);
-    counts
+    fit.push(clock.span(|| template.fit(Profile::new(means))).1);
+    turn.push(clock.span(|| pipeline.set_alignment(Alignment::NONE)).1);
+    [
+        // The whole pipeline for a patch while gestures are waited for.
+        ("align-patch", waiting),
+        // The whole pipeline for the sample with which the alignment ends.
+        ("align-end", end),
+        // The whole pipeline for each sample after it, until the encoder has taken the window.
+        ("align-again", again),
+        // The fit of 16 placements alone.
+        ("align-fit", fit),
+        // Another order of the window's electrodes alone, and the encoder's memory cleared.
+        ("align-turn", turn),
+        // The whole pipeline for each sample while the model decides on the arm, the first and the last one included.
+        ("align-arm", arm(encoder, model, &clock)),
+    ]
 }
 
 /// Counts a decision between the arms.

@@ -17,38 +17,23 @@ use crate::spans::{Clock, Spans};
 /// Samples of both rounds of a model of six classes, and more.
 const MOST: usize = 16_000;
 
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Counts {
-    /// The whole pipeline for a patch of round one.
-    teaching: Spans,
-    /// The whole pipeline for a patch of round two, once the encoder has taken the window again.
-    judging: Spans,
-    /// The whole pipeline for a sample with which a round ends: the solve, and a patch.
-    solve: Spans,
-}
-
-impl Counts {
-    pub fn named(&self) -> [(&'static str, Spans); 3] {
-        [
-            ("calibrate-teach", self.teaching),
-            ("calibrate-judge", self.judging),
-            ("calibrate-solve", self.solve),
-        ]
-    }
-}
-
-/// Counts one calibration of a wearer who does what is asked for, each gesture with other electrodes.
+/// Counts one calibration of a wearer who does what is asked for, each gesture with other electrodes; by the names of
+/// its parts.
 ///
 /// # Panics
 /// If it does not come to its end: then something else was counted.
-pub fn count<E: Encode + Copy>(encoder: E, model: &Model<'_>, memory: &mut Memory) -> Counts {
+pub fn count<E: Encode + Copy>(
+    encoder: E,
+    model: &Model<'_>,
+    memory: &mut Memory,
+) -> [(&'static str, Spans); 3] {
     let mut state = encoder.fresh();
     let mut pipeline = Pipeline::of_model(model, encoder, &mut state).expect("good settings");
     // Without it nothing is aligned.
     pipeline.set_template(None);
     pipeline.lend(memory);
     let clock = Clock::new();
-    let mut counts = Counts::default();
+    let [mut teaching, mut judging, mut solve] = [Spans::default(); 3];
     let mut noise = noise();
     let (mut state, mut cue) = (CalibrationState::Idle, None);
     let (mut patch, mut solved, mut now) = (0, 0, Millis(0));
@@ -79,11 +64,11 @@ pub fn count<E: Encode + Copy>(encoder: E, model: &Model<'_>, memory: &mut Memor
         match (before, state) {
             (Teaching, Judging) | (Judging, Keeping) => {
                 solved = index;
-                counts.solve.push(instructions);
+                solve.push(instructions);
             }
-            (Teaching, _) if index % PATCH == 0 => counts.teaching.push(patch),
+            (Teaching, _) if index % PATCH == 0 => teaching.push(patch),
             (Judging, _) if index % PATCH == 0 && index > solved + AGAIN + PATCH => {
-                counts.judging.push(patch);
+                judging.push(patch);
             }
             _ => {}
         }
@@ -93,5 +78,12 @@ pub fn count<E: Encode + Copy>(encoder: E, model: &Model<'_>, memory: &mut Memor
     }
     let ends = [CalibrationState::Keeping, CalibrationState::Worse];
     assert!(ends.contains(&state), "{}", state.name());
-    counts
+    [
+        // The whole pipeline for a patch of round one.
+        ("calibrate-teach", teaching),
+        // The whole pipeline for a patch of round two, once the encoder has taken the window again.
+        ("calibrate-judge", judging),
+        // The whole pipeline for a sample with which a round ends: the solve, and a patch.
+        ("calibrate-solve", solve),
+    ]
 }

@@ -79,12 +79,8 @@ mod image {
         };
         println!("patches {}", counts.total.count());
         println!("state {state}");
-        let calibration = calibration.into_iter().flat_map(|counts| counts.named());
-        let named = counts
-            .named()
-            .into_iter()
-            .chain(alignment.named())
-            .chain(calibration);
+        let named = counts.named().into_iter().chain(alignment);
+        let named = named.chain(calibration.into_iter().flatten());
         for (part, spans) in named {
             println!("{part} {} {}", spans.mean(), spans.largest());
         }
