@@ -175,24 +175,13 @@ fn a_report_is_well_formed_and_whole_and_needs_nothing_from_elsewhere() -> Resul
     let entries = [evaluated.entry()];
     page(&evaluated, &entries).write(&path)?;
     let html = fs::read_to_string(&path)?;
-    assert_eq!(
-        fs::read_dir(&folder)?.count(),
-        1,
-        "the temporary file is gone"
-    );
-    // To view the page: MYOINTENT_KEEP_REPORT=folder cargo test report
-    if let Some(keep) = std::env::var_os("MYOINTENT_KEEP_REPORT") {
-        fs::write(std::path::Path::new(&keep).join("report.html"), &html)?;
-    }
-
+    // The temporary file is gone.
+    assert_eq!(fs::read_dir(&folder)?.count(), 1);
     well_formed(&html)?;
     // Overview, recognition, confusion, latencies, a curve; the three people who have all classes.
     assert_eq!(html.matches("<svg").count(), 8);
-    assert_eq!(
-        html.matches("<title>").count(),
-        9,
-        "the page's and one for every picture"
-    );
+    // The page's, and one for every picture.
+    assert_eq!(html.matches("<title>").count(), 9);
     let parts = "<!DOCTYPE html>|student|Confusion matrix|median|Loss|Every number on this page is synthetic.|energy detector|\
                  with all 3 classes";
     for part in parts.split('|') {
@@ -258,11 +247,8 @@ fn an_empty_report_is_a_page_too() -> Result<(), Box<dyn Error>> {
     }
     .html()?;
     well_formed(&html)?;
-    assert_eq!(
-        html.matches("<h2>").count(),
-        1,
-        "no errors but a matrix of zeros"
-    );
+    // No errors but a matrix of zeros.
+    assert_eq!(html.matches("<h2>").count(), 1);
     Ok(())
 }
 

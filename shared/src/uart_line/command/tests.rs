@@ -114,21 +114,17 @@ fn arguments_have_their_places() {
     let set = AlignCommand::Set(Alignment::new(3, true));
     let known = Arm::Known { mirrored: true };
     let output = HidCommand::Set(Intent::Close, Output::from_name("key:space"));
-    for (command, body) in [
+    #[rustfmt::skip]
+    let table = [
         (Command::Align(set), "ALIGN,set,3,1"),
         (Command::Align(AlignCommand::Begin(known)), "ALIGN,begin,1"),
-        (
-            Command::Bind(BindCommand::Set(armband)),
-            "BIND,set,fa:12:34:56:78:9a",
-        ),
-        (
-            Command::Gate(GateCommand::Set(gate)),
-            "GATE,set,1,-2,steady",
-        ),
+        (Command::Bind(BindCommand::Set(armband)), "BIND,set,fa:12:34:56:78:9a"),
+        (Command::Gate(GateCommand::Set(gate)), "GATE,set,1,-2,steady"),
         (Command::Lock(LockCommand::Set(times)), "LOCK,set,500,2000"),
         (Command::Hid(output), "HID,set,close,key:space"),
         (Command::Install(transfer), "INSTALL,86729,0f3a0c11"),
-    ] {
+    ];
+    for (command, body) in table {
         assert_eq!(read(framed(body).as_bytes()), [Ok(command)], "{body}");
     }
     let begin = Command::Bind(BindCommand::Begin);

@@ -282,9 +282,8 @@ mod tests {
 
     #[test]
     fn latencies_of_several_models_are_drawn_on_one_scale() {
-        let one = vec![Some(24)];
-        let alone = &latencies(&[one.clone()])[0].0;
-        let both = latencies(&[one, vec![Some(90); 2]]);
+        let models = [vec![Some(24)], vec![Some(90); 2]];
+        let (alone, both) = (&latencies(&models[..1])[0].0, latencies(&models));
         // The numbers at the ends of the axes.
         for number in [">450</text>", ">2</text>"] {
             assert!(!alone.contains(number), "{number}");

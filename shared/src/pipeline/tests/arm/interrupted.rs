@@ -9,29 +9,18 @@ use super::*;
 type Event = fn(&mut Pipeline<'static, SmallEncoder>, Millis);
 
 /// Events that end a decision: what the line then says.
+#[rustfmt::skip]
 const ENDS: [(&str, AlignmentState, Event); 10] = [
     ("a gap", PoorMargin, |own, now| _ = own.gap(now, 6)),
-    ("silence", PoorMargin, |own, now| {
-        _ = own.tick(now.plus(600))
-    }),
+    ("silence", PoorMargin, |own, now| _ = own.tick(now.plus(600))),
     ("a stall", PoorMargin, |own, now| _ = own.stalled(now)),
-    ("disconnection", Disconnected, |own, now| {
-        _ = own.disconnected(now)
-    }),
+    ("disconnection", Disconnected, |own, now| _ = own.disconnected(now)),
     ("installation", Cancelled, |own, now| _ = own.suspend(now)),
-    ("a refused model", Cancelled, |own, now| {
-        _ = own.refuse_model(now)
-    }),
+    ("a refused model", Cancelled, |own, now| _ = own.refuse_model(now)),
     ("a command", Cancelled, |own, _| own.cancel_alignment()),
-    ("another beginning", Waiting, |own, _| {
-        own.begin_alignment(Arm::Unknown)
-    }),
-    ("none that is set", Set, |own, _| {
-        own.set_alignment(Alignment::NONE)
-    }),
-    ("one that is set", Set, |own, _| {
-        own.set_alignment(Alignment::new(6, true))
-    }),
+    ("another beginning", Waiting, |own, _| own.begin_alignment(Arm::Unknown)),
+    ("none that is set", Set, |own, _| own.set_alignment(Alignment::NONE)),
+    ("one that is set", Set, |own, _| own.set_alignment(Alignment::new(6, true))),
 ];
 
 /// Samples after the beginning of a decision: in its first patch, in the first placement, between both, in the second, in
