@@ -17,7 +17,6 @@ use training::run::context::{load_student, load_teacher};
 use training::student::onnx;
 use training::teacher::checkpoint;
 
-/// Arguments of `export`.
 #[derive(Debug, Args)]
 #[command(
     after_help = "The reference's code reads the teacher if the run's preset is `paper`. `myointent train --from FILE` reads it\n\
@@ -46,9 +45,7 @@ pub struct Arguments {
 
 /// Writes the teacher as safetensors, or the student as ONNX.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    if let Some(out) = &arguments.out {
-        refuse_existing(out)?;
-    }
+    refuse_existing(&arguments.out)?;
     let out = match (&arguments.model, &arguments.out) {
         (Some(path), Some(out)) => {
             let bytes = read_model(path)?;

@@ -3,7 +3,6 @@
 pub(super) mod evaluate;
 mod export;
 mod personalize;
-pub(super) mod predict;
 mod quantize;
 mod quickstart;
 mod train;
@@ -44,7 +43,6 @@ pub(super) enum Command {
 }
 
 impl Command {
-    /// Runs the command.
     pub(super) fn run(&self) -> anyhow::Result<()> {
         match self {
             Self::Quickstart(arguments) => quickstart::run(arguments),

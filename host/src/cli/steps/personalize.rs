@@ -13,7 +13,6 @@ use execution::run_folder::write_whole;
 use training::backend::BackendArguments;
 use training::run::personalize::{TuningSettings, personalize};
 
-/// Arguments of `personalize`.
 #[derive(Debug, Args)]
 #[command(
     after_help = "A few minutes of rest and of each gesture in turn, with labels, are enough; docs/personalization.md says what they gain.\n\

@@ -10,7 +10,6 @@ use crate::cli::output::refuse_existing;
 use training::backend::BackendArguments;
 use training::run::quantize::{MODEL, quantize};
 
-/// Arguments of `quantize`.
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// Run folder of `myointent train`.
@@ -25,11 +24,8 @@ pub struct Arguments {
     backend: BackendArguments,
 }
 
-/// Writes the model file.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    if let Some(out) = &arguments.out {
-        refuse_existing(out)?;
-    }
+    refuse_existing(&arguments.out)?;
     let context = open_run(&arguments.run, arguments.backend)?;
     let out = arguments
         .out

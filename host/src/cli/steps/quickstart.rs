@@ -9,7 +9,7 @@ use clap::Args;
 use super::{TrainingArguments, log_labels};
 use evaluation::System;
 use evaluation::report::run_report;
-use evaluation::report::scores::{summary, tables};
+use evaluation::report::scores::summary;
 use execution::progress;
 use presets::config::ResolvedConfig;
 use training::run::context::RunContext;
@@ -17,7 +17,6 @@ use training::run::evaluate::{Results, evaluate};
 use training::run::quantize::{MODEL, ModelFile, quantize};
 use training::run::train::train;
 
-/// Arguments of `quickstart`.
 #[derive(Debug, Args)]
 #[command(
     after_help = "The last lines of the output name the recordings and the held-out subjects.\n\n\
@@ -31,9 +30,6 @@ pub struct Arguments {
     /// Built-in preset or a TOML file; quickstart if not given.
     #[arg(long)]
     preset: Option<String>,
-    /// Print all tables, not only the scores of the model file.
-    #[arg(long)]
-    verbose: bool,
     #[command(flatten)]
     training: TrainingArguments,
 }
@@ -60,14 +56,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     quantize(&context, &model)?;
     let page = run_report::write(&context.folder, &context.config, &results, &evaluation)?;
 
-    let mut out = std::io::stdout().lock();
-    if arguments.verbose {
-        for table in tables(&results, true) {
-            writeln!(out, "{}", table.plain())?;
-        }
-    }
     let recordings = recordings_used(&context);
-    write!(out, "{}", last_screen(&results, &recordings, &model, &page))?;
+    let screen = last_screen(&results, &recordings, &model, &page);
+    write!(std::io::stdout(), "{screen}")?;
     Ok(())
 }
 

@@ -15,7 +15,6 @@ use recordings::folds::Protocol;
 use training::run::start::start_from;
 use training::run::train::{train, train_teacher};
 
-/// Arguments of `train`.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  myointent train --preset cpu --data recordings --run runs/mine\n  myointent train --run runs/mine --resume",
@@ -56,7 +55,6 @@ pub struct Arguments {
     training: TrainingArguments,
 }
 
-/// Trains the models.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let is_given =
         arguments.preset.is_some() || arguments.from.is_some() || arguments.protocol.is_some();

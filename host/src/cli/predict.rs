@@ -1,21 +1,14 @@
 //! `myointent predict`: a model's labels and logits, for other programs.
 
-mod matrix;
-
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
 use clap::Args;
-#[cfg(feature = "train")]
-use clap::ValueEnum;
 use shared::intent::Intent;
 use shared::model::LookBackLogits;
 use shared::model::file::Model;
-use shared::stream::smoother::Settings;
 use shared::units::{PATCH, Sample};
 
-use self::matrix::Format;
-use self::matrix::Matrix;
 use super::replay::recording_of;
 use crate::cli::arguments::{AS_RECORDED, recordings_of};
 use crate::cli::output::{file_of, first_line, refuse_unlike};
@@ -23,20 +16,9 @@ use crate::cli::read_model;
 use evaluation::inference::{input, integer_logits};
 use evaluation::{SmoothedLabels, smooth};
 use execution::run_folder::write_whole;
-#[cfg(feature = "train")]
-use training::backend::BackendArguments;
+use recordings::npy;
+use recordings::readers::path::ending;
 
-/// A checkpoint of a run folder.
-#[cfg(feature = "train")]
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum Which {
-    /// The masked transformer.
-    Teacher,
-    /// The float student.
-    Student,
-}
-
-/// Arguments of `predict`.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Example:\n  myointent predict --model models/three-class.intent --recording FILE.csv --out labels.csv",
@@ -49,20 +31,8 @@ pub(super) enum Which {
 )]
 pub struct Arguments {
     /// Model file.
-    #[arg(
-        long,
-        value_name = "FILE.intent",
-        conflicts_with = "run",
-        required_unless_present = "run"
-    )]
-    model: Option<PathBuf>,
-    /// Run folder with a checkpoint.
-    #[arg(long, value_name = "DIR")]
-    pub(super) run: Option<PathBuf>,
-    /// Checkpoint of the run folder.
-    #[cfg(feature = "train")]
-    #[arg(long, value_enum, default_value = "student")]
-    pub(super) which: Which,
+    #[arg(long, value_name = "FILE.intent")]
+    model: PathBuf,
     /// A recording, in any format that `myointent data inspect` reads; several, or folders of them, if --out is a folder.
     #[arg(long, value_name = "PATH", num_args = 1.., required = true)]
     recording: Vec<PathBuf>,
@@ -77,73 +47,48 @@ pub struct Arguments {
     /// Earlier predictions of the same columns are replaced, no other file.
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
-    #[cfg(feature = "train")]
-    #[command(flatten)]
-    pub(super) backend: BackendArguments,
 }
 
 /// Runs a model and writes its labels and logits.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let paths = &arguments.recording;
-    if arguments.out.extension().is_some() || arguments.name.is_some() {
+    let (paths, out) = (&arguments.recording, &arguments.out);
+    let is_file = out.extension().is_some() || arguments.name.is_some();
+    if is_file {
         // A wrong ending is refused before the work.
-        Format::of(&arguments.out)?;
+        is_array(out)?;
+    }
+    let path = &arguments.model;
+    let bytes = read_model(path)?;
+    let model = Model::parse(&bytes).with_context(|| format!("{} is refused", path.display()))?;
+    if is_file {
         let [path] = &paths[..] else {
             bail!(
                 "--out is a file: expected one recording, or a folder as --out for the labels of each"
             );
         };
         let recording = recording_of(path, arguments.name.as_deref(), arguments.as_recorded)?;
-        return write(
-            &over_recording(&loaded(arguments)?, &recording.samples)?,
-            &arguments.out,
-        );
+        return write(&over_recording(&model, &recording.samples)?, out);
     }
-    let library = recordings_of(paths, false, arguments.as_recorded)?;
-    let model = loaded(arguments)?;
-    for recording in library.recordings {
-        let out = file_of(&recording, &arguments.out, "csv")?;
-        std::fs::create_dir_all(out.parent().unwrap_or(&arguments.out))
-            .with_context(|| out.display().to_string())?;
-        write(&over_recording(&model, &recording.samples)?, &out)?;
+    for recording in recordings_of(paths, false, arguments.as_recorded)?.recordings {
+        let file = file_of(&recording, out, "csv")?;
+        std::fs::create_dir_all(file.parent().unwrap_or(out))
+            .with_context(|| file.display().to_string())?;
+        write(&over_recording(&model, &recording.samples)?, &file)?;
     }
     Ok(())
 }
 
 /// Writes a table, which replaces no file of another kind.
 fn write(matrix: &Matrix, out: &Path) -> anyhow::Result<()> {
-    let bytes = matrix.encode(Format::of(out)?);
+    let bytes = matrix.encode(is_array(out)?);
     refuse_unlike(out, first_line(&bytes))?;
     Ok(write_whole(out, &bytes)?)
 }
 
-/// Logits of every patch, number of classes, and the smoother's settings.
-pub(super) type Logits = (Vec<LookBackLogits>, usize, Settings);
-/// Function of a model that was read: computes the logits of samples.
-pub(super) type Loaded<'a> = Box<dyn Fn(&[Sample]) -> anyhow::Result<Logits> + 'a>;
-
-/// Reads the model of the arguments.
-fn loaded(arguments: &Arguments) -> anyhow::Result<Loaded<'_>> {
-    if let Some(path) = &arguments.model {
-        let bytes = read_model(path)?;
-        return Ok(Box::new(move |samples| {
-            let model =
-                Model::parse(&bytes).with_context(|| format!("{} is refused", path.display()))?;
-            Ok((
-                integer_logits(&model, &input(samples, model.header.preprocessing))?,
-                model.header.dimensions.vocabulary.classes(),
-                model.header.smoother.in_patches(),
-            ))
-        }));
-    }
-    #[cfg(feature = "train")]
-    return super::steps::predict::loaded(arguments);
-    #[cfg(not(feature = "train"))]
-    bail!("give --model FILE; {}", super::WITHOUT_TRAINING);
-}
-
-fn over_recording(model: &Loaded<'_>, samples: &[Sample]) -> anyhow::Result<Matrix> {
-    let (rows, classes, settings) = model(samples)?;
+fn over_recording(model: &Model<'_>, samples: &[Sample]) -> anyhow::Result<Matrix> {
+    let rows = integer_logits(model, &input(samples, model.header.preprocessing))?;
+    let classes = model.header.dimensions.vocabulary.classes();
+    let settings = model.header.smoother.in_patches();
     let labels = smooth(&rows, samples.len(), classes, settings)?;
     Ok(of_samples(&labels, &rows, classes))
 }
@@ -171,8 +116,47 @@ fn of_samples(labels: &SmoothedLabels, rows: &[LookBackLogits], classes: usize) 
     Matrix { columns, values }
 }
 
+/// Whether a file is written as a binary array (f32, without column names) in place of CSV, by its ending.
+fn is_array(path: &Path) -> anyhow::Result<bool> {
+    match ending(path).as_deref() {
+        Some("npy") => Ok(true),
+        Some("csv") => Ok(false),
+        _ => bail!(
+            "{}: expected a name that ends in .npy or .csv",
+            path.display()
+        ),
+    }
+}
+
+/// Rows of numbers, with the names of their columns.
+struct Matrix {
+    /// Column names: at least one, without commas.
+    columns: Vec<String>,
+    /// Values row by row; the length is a multiple of the number of columns.
+    values: Vec<f32>,
+}
+
+impl Matrix {
+    /// Encodes the matrix as a binary array, or as CSV with the column names in the first row.
+    fn encode(&self, is_array: bool) -> Vec<u8> {
+        let rows = self.values.chunks_exact(self.columns.len());
+        if is_array {
+            let shape = [rows.len(), self.columns.len()];
+            let data: Vec<u8> = self.values.iter().flat_map(|v| v.to_le_bytes()).collect();
+            return npy::encode("<f4", &shape, &data);
+        }
+        let mut text = self.columns.join(",") + "\n";
+        for row in rows {
+            let cells: Vec<_> = row.iter().map(f32::to_string).collect();
+            text += &(cells.join(",") + "\n");
+        }
+        text.into_bytes()
+    }
+}
+
 #[cfg(test)]
 mod tests {
+    use recordings::npy::Values;
     use shared::intent::MAX_LOGITS;
     use shared::units::LOOK_BACK;
 
@@ -194,5 +178,31 @@ mod tests {
             assert_eq!(row[..2], [-1.0, 2.0]);
             assert!(row[2..].iter().all(|logit| logit.is_nan()));
         }
+    }
+
+    #[test]
+    fn both_formats_hold_every_value() {
+        let matrix = Matrix {
+            columns: vec!["label".into(), "logit_relax".into()],
+            values: vec![-1.0, 0.25, 2.0, f32::NAN],
+        };
+        let text = String::from_utf8(matrix.encode(false)).unwrap();
+        assert_eq!(text, "label,logit_relax\n-1,0.25\n2,NaN\n");
+        let array = npy::parse(&matrix.encode(true)).unwrap();
+        assert_eq!(
+            (&array.shape[..], array.descr.as_str()),
+            (&[2, 2][..], "<f4")
+        );
+        let Values::Numbers(values) = array.values else {
+            panic!("{array:?}");
+        };
+        assert_eq!(values[..3], [-1.0, 0.25, 2.0]);
+        assert!(values[3].is_nan());
+    }
+
+    #[test]
+    fn another_ending_is_refused() {
+        assert!(is_array(Path::new("labels.txt")).is_err());
+        assert!(is_array(Path::new("npy")).is_err());
     }
 }
