@@ -10,7 +10,6 @@ use std::time::Duration;
 
 use serial2::SerialPort;
 
-/// Baud rate of the board's UART.
 const BAUD: u32 = 115_200;
 /// Baud rate at which a port that is closed starts the board's boot loader, by Arduino's convention.
 pub(super) const TOUCH_BAUD: u32 = 1200;
@@ -22,7 +21,6 @@ trait Modem: Sized {
     /// Opens a port and makes its settings: raw, at a baud rate.
     fn open(path: &Path, baud: u32) -> io::Result<Self>;
 
-    /// Raises or lowers DTR.
     fn set_dtr(&self, is_raised: bool) -> io::Result<()>;
 }
 

@@ -41,9 +41,8 @@ pub(in crate::cli) struct OwnModel {
 }
 
 impl OwnModel {
-    /// Reads the model file and the recordings.
     pub(in crate::cli) fn read(&self) -> anyhow::Result<(Vec<u8>, Library)> {
-        refuse_existing(&self.out)?;
+        refuse_existing([&self.out])?;
         let bytes = read_model(&self.model)?;
         let library = recordings_of(&[&self.data], self.strict, self.as_recorded)?;
         Ok((bytes, library))
@@ -53,10 +52,6 @@ impl OwnModel {
 /// Help of `--as-recorded`.
 pub(in crate::cli) const AS_RECORDED: &str = "Leave the channels of published sets in their own order instead of turning them into the frame of the models \
     (docs/recordings.md, electrode frames).";
-
-/// Help of `--imu`.
-pub(in crate::cli) const IMU: &str = "Ask for the armband's movement too: orientation, acceleration and turn rate, 50 times a second. A board sends it over \
-    its own USB alone: a UART has no room for it.";
 
 /// Loads all recordings at or below some paths, of every data set.
 pub(crate) fn recordings_of(

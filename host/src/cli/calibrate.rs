@@ -9,7 +9,6 @@ use crate::cli::arguments::OwnModel;
 use evaluation::calibration::calibrate_file;
 use execution::run_folder::write_whole;
 
-/// Arguments of `calibrate`.
 #[derive(Debug, Args)]
 #[command(
     after_help = "A round is a hold of each gesture and two of rest; two rounds are enough, half a minute. The first half of the rounds teaches,\n\

@@ -25,7 +25,6 @@ pub(super) struct Recordings {
     guided: Vec<Guided>,
 }
 
-/// Guided recordings of a person.
 #[derive(Serialize)]
 struct Guided {
     person: String,
@@ -83,7 +82,6 @@ impl fmt::Display for Guided {
     }
 }
 
-/// Formats the contents of a library for a terminal.
 pub(super) fn tables(recordings: &Recordings) -> String {
     let Recordings { inspection, guided } = recordings;
     let mut text = sets(&inspection.sets).plain() + "\n";

@@ -30,7 +30,6 @@ pub enum DataCommand {
     Fetch(fetch::Arguments),
 }
 
-/// Arguments of `myointent data inspect`.
 #[derive(Args, Debug)]
 #[command(
     // Not in `long_about`, which the one line of the subcommand hides.
@@ -97,7 +96,6 @@ Examples:
   myointent data inspect mine
   myointent data describe /read-only/set --out set.toml     every command takes set.toml in place of the folder";
 
-/// Arguments of `myointent data describe`.
 #[derive(Args, Debug)]
 #[command(
     // Not in `long_about`, which the one line of the subcommand hides.
@@ -112,7 +110,6 @@ pub struct DescribeArguments {
     out: Option<PathBuf>,
 }
 
-/// Arguments of `myointent data synth`.
 #[derive(Args, Debug)]
 #[command(
     // Not in `long_about`, which the one line of the subcommand hides.
@@ -154,7 +151,6 @@ fn vocabulary(text: &str) -> Result<Vocabulary, String> {
     classes.ok_or_else(|| "expected 3, 5 or 6".to_owned())
 }
 
-/// Runs `myointent data`.
 pub(super) fn run(command: DataCommand) -> anyhow::Result<()> {
     match command {
         DataCommand::Inspect(args) => inspect(&args),

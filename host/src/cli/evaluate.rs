@@ -9,7 +9,6 @@ use training::backend::BackendArguments;
 use crate::cli::evaluate_models;
 use crate::cli::output::Width;
 
-/// Arguments of `evaluate`.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  myointent evaluate --run runs/mine\n  myointent evaluate --model models/three-class.intent --data DIR",
@@ -50,7 +49,6 @@ pub struct Arguments {
     pub(super) backend: BackendArguments,
 }
 
-/// Evaluates models and writes or prints their scores.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if !arguments.models.data.is_empty() {
         let width = (!arguments.json).then_some(&arguments.width);

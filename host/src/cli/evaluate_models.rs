@@ -44,7 +44,6 @@ pub(in crate::cli) struct PeopleArguments {
 }
 
 impl PeopleArguments {
-    /// Loads the recordings at or below some paths.
     pub(in crate::cli) fn recordings(&self, paths: &[impl AsRef<Path>]) -> anyhow::Result<Library> {
         recordings_of(paths, self.strict, self.as_recorded)
     }

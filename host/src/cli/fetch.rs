@@ -14,7 +14,6 @@ pub use recordings::printable;
 use recordings::source::{Download, Plan, Received, ZENODO, download, free, plan, put_in_place};
 use recordings::{LoadOptions, load};
 
-/// Arguments of `data fetch`.
 #[derive(Args, Debug)]
 #[command(
     // Not in `long_about`, which the one line of the subcommand hides.

@@ -21,7 +21,6 @@ use execution::{bounded_read, progress};
 /// Maximum size of a UF2 file in bytes: twice what such a file may fill of flash.
 const UF2_BYTES: u64 = 4 << 20;
 
-/// Arguments of `flash`.
 #[derive(Debug, Args)]
 #[command(
     after_help = "The file for a board is among those of a release: xiao.uf2, feather.uf2, nice-nano.uf2; `cargo xtask uf2` builds it.\n\
@@ -61,7 +60,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut out = std::io::stdout();
     if let Some(path) = &arguments.out {
         let content = content.context("give firmware, --model or both")?;
-        refuse_existing(path)?;
+        refuse_existing([path])?;
         write_whole(path, &content.file())?;
         writeln!(out, "{}", path.display())?;
         return Ok(());
@@ -162,7 +161,6 @@ fn bind(port: &Path) -> anyhow::Result<()> {
     run_bind(&mut board, &bind)
 }
 
-/// Asks whom the board follows.
 fn following(board: &mut Board) -> Result<Following, BoardError> {
     board.ask(Command::Bind(BindCommand::State), |answer| match answer {
         Answer::Binding(binding) => Some(binding.following),

@@ -12,7 +12,6 @@ use crate::cli::output::refuse_existing;
 use crate::cli::read_model;
 use execution::run_folder::write_whole;
 
-/// Arguments of `gate`.
 #[derive(Debug, Args)]
 #[command(
     after_help = "docs/results.md has the curve of reactions and margins.\n\n\
@@ -41,18 +40,14 @@ pub struct Arguments {
     out: Option<PathBuf>,
 }
 
-/// Reads the name of a reaction.
 pub(super) fn reaction(name: &str) -> Result<Reaction, String> {
     Reaction::from_name(name)
         .ok_or_else(|| format!("expected {}", Reaction::ALL.map(Reaction::name).join(", ")))
 }
 
-/// Writes the model file with its new operating point.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let path = &arguments.model;
-    if let Some(out) = &arguments.out {
-        refuse_existing(out)?;
-    }
+    refuse_existing(&arguments.out)?;
     let bytes = read_model(path)?;
     let (entry, other) = (arguments.entry, arguments.other);
     let file = Model::with_gate(&bytes, entry, other, arguments.reaction)

@@ -12,7 +12,6 @@ use shared::stream::smoother::{AggregationMode, Margins, Reaction};
 use crate::cli::read_model;
 pub use recordings::printable;
 
-/// Arguments of `info`.
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// Model file.
@@ -23,7 +22,6 @@ pub struct Arguments {
     json: bool,
 }
 
-/// Prints a model file's header.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let path = &arguments.model;
     let bytes = read_model(path)?;

@@ -11,7 +11,7 @@ use qrcode::QrCode;
 use qrcode::render::unicode;
 use shared::myo::Address;
 
-use super::arguments::{AS_RECORDED, IMU};
+use super::arguments::AS_RECORDED;
 use super::read_model;
 use super::replay::recording_of;
 use crate::live::osc::Osc;
@@ -19,10 +19,8 @@ use crate::live::{self, Options, Source, is_local};
 use execution::interrupt::Interrupt;
 use execution::progress;
 
-/// Default port of the page.
 const PORT: u16 = 8377;
 
-/// Arguments of `live`.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Give one source: --demo, --replay, --port or --bluetooth. The address of the page is printed on standard output; Ctrl-C ends it.\n\
@@ -36,14 +34,7 @@ const PORT: u16 = 8377;
 )]
 pub struct Arguments {
     #[command(flatten)]
-    source: SourceArguments,
-    /// Recording to play, if the path of --replay holds several, as `data inspect` prints it: data-set/person/name.
-    #[arg(long, requires = "replay")]
-    name: Option<String>,
-    #[arg(hide_short_help = true, long, help = AS_RECORDED, requires = "replay")]
-    as_recorded: bool,
-    #[arg(long, help = IMU, conflicts_with_all = ["demo", "replay"])]
-    imu: bool,
+    stream: StreamArguments,
     /// Model file.
     ///
     /// Without it, recordings run through the shipped three-class model, and a board shows no scores.
@@ -65,9 +56,27 @@ pub struct Arguments {
     listen: Option<(IpAddr, Option<u16>)>,
 }
 
+/// Help of `--imu`.
+const IMU: &str = "Ask for the armband's movement too: orientation, acceleration and turn rate, 50 times a second. A board sends it over \
+    its own USB alone: a UART has no room for it.";
+
+/// Stream to show or to record.
+#[derive(Debug, Args)]
+pub(super) struct StreamArguments {
+    #[command(flatten)]
+    source: SourceArguments,
+    /// Recording to play, if the path of --replay holds several, as `data inspect` prints it: data-set/person/name.
+    #[arg(long, requires = "replay")]
+    name: Option<String>,
+    #[arg(hide_short_help = true, long, help = AS_RECORDED, requires = "replay")]
+    as_recorded: bool,
+    #[arg(long, help = IMU, conflicts_with_all = ["demo", "replay"])]
+    pub(super) imu: bool,
+}
+
 #[derive(Debug, Args)]
 #[group(required = true, multiple = false)]
-pub(super) struct SourceArguments {
+struct SourceArguments {
     /// A simulated forearm and the shipped model: needs nothing else.
     #[arg(long)]
     demo: bool,
@@ -129,13 +138,10 @@ fn receiver(text: &str) -> Result<String, String> {
 /// Serves the page, or writes lines of JSON, until Ctrl-C.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let model = arguments.model.as_deref().map(read_model).transpose()?;
-    let source = arguments
-        .source
-        .source(arguments.name.as_deref(), arguments.as_recorded)?;
     let mut options = Options {
         model,
-        imu: arguments.imu,
-        ..Options::of(source)
+        imu: arguments.stream.imu,
+        ..Options::of(arguments.stream.source()?)
     };
     if arguments.json || arguments.osc.is_some() {
         options.listen = arguments
@@ -160,17 +166,16 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     serve(arguments.listen, options)
 }
 
-impl SourceArguments {
-    /// Builds the source; `name` chooses among the recordings of a path, whose channels may stay as recorded.
-    pub(super) fn source(&self, name: Option<&str>, as_recorded: bool) -> anyhow::Result<Source> {
-        if let Some(path) = &self.replay {
-            let recording = recording_of(path, name, as_recorded)?;
+impl StreamArguments {
+    pub(super) fn source(&self) -> anyhow::Result<Source> {
+        if let Some(path) = &self.source.replay {
+            let recording = recording_of(path, self.name.as_deref(), self.as_recorded)?;
             return Ok(Source::Replay(Box::new(recording)));
         }
-        if let Some(path) = &self.port {
+        if let Some(path) = &self.source.port {
             return Ok(Source::Port(path.clone()));
         }
-        match self.bluetooth {
+        match self.source.bluetooth {
             Some(_) if cfg!(not(feature = "bluetooth")) => bail!(
                 "this program was built without Bluetooth: build it with  cargo build --release --features bluetooth"
             ),
@@ -260,6 +265,15 @@ mod tests {
         }
     }
 
+    /// Arguments of a line.
+    fn live(line: &[&str]) -> Arguments {
+        let line = ["myointent", "live"].iter().chain(line);
+        let Command::Live(arguments) = Cli::parse_from(line).command else {
+            panic!("the command is live");
+        };
+        arguments
+    }
+
     fn refusal(line: &[&str]) -> String {
         let line = ["myointent", "live"].iter().chain(line);
         Cli::try_parse_from(line).unwrap_err().to_string()
@@ -278,13 +292,7 @@ mod tests {
     #[cfg(not(feature = "bluetooth"))]
     #[test]
     fn without_bluetooth_in_the_program_no_page_is_opened() {
-        let source = SourceArguments {
-            demo: false,
-            replay: None,
-            port: None,
-            bluetooth: Some(Followed(None)),
-        };
-        let error = source.source(None, false).unwrap_err().to_string();
+        let error = run(&live(&["--bluetooth", "any"])).unwrap_err().to_string();
         assert!(error.contains("--features bluetooth"), "{error}");
     }
 
@@ -312,12 +320,9 @@ mod tests {
             assert!(error.contains("localhost:9000"), "{wrong}: {error}");
         }
         let long = format!("{}:9000", "x".repeat(64));
-        let line = ["myointent", "live", "--demo", "--osc", &long];
-        let Cli { command } = Cli::parse_from(line);
-        let Command::Live(arguments) = command else {
-            panic!("{command:?}");
-        };
-        let error = run(&arguments).unwrap_err().to_string();
+        let error = run(&live(&["--demo", "--osc", &long]))
+            .unwrap_err()
+            .to_string();
         assert!(
             error.contains(&long) && error.contains("a name that this computer knows"),
             "{error}"

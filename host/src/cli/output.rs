@@ -7,11 +7,10 @@ use std::fs::File;
 use std::io::{self, ErrorKind, Read as _, Write};
 use std::path::{Component, Path, PathBuf};
 
+use anyhow::{bail, ensure};
 use clap::Args;
 use evaluation::report::Table;
 use recordings::Recording;
-
-use thiserror::Error;
 
 /// Width of the tables on the terminal.
 #[derive(Debug, Args)]
@@ -22,7 +21,6 @@ pub(super) struct Width {
 }
 
 impl Width {
-    /// Prints tables.
     pub(super) fn print(&self, tables: &[Table], out: &mut impl Write) -> io::Result<()> {
         for table in tables {
             writeln!(out, "{}", table.text(self.wide))?;
@@ -40,54 +38,44 @@ impl Width {
 /// First bytes of a page.
 pub(super) const PAGE: &[u8] = b"<!DOCTYPE html>";
 
-/// Why a file is not written.
-#[derive(Debug, Error)]
-pub(super) enum OutputError {
-    #[error("{} exists already: give another name with --out, or remove it", _0.display())]
-    Exists(PathBuf),
-    #[error(
-        "{} exists already, and it is no earlier output of this command: give another name, or remove it",
-        _0.display()
-    )]
-    Unlike(PathBuf),
-    #[error("{path} cannot be replaced: {source}; give another name")]
-    Unreadable {
-        path: PathBuf,
-        source: std::io::Error,
-    },
-}
-
-/// Refuses the name of a model file if it is taken.
-pub(super) fn refuse_existing(path: &Path) -> Result<(), OutputError> {
-    if path.symlink_metadata().is_ok() {
-        return Err(OutputError::Exists(path.to_owned()));
+/// Refuses the names of files that are not replaced, if one is taken.
+pub(super) fn refuse_existing<'p>(
+    paths: impl IntoIterator<Item = &'p PathBuf>,
+) -> anyhow::Result<()> {
+    for path in paths {
+        ensure!(
+            path.symlink_metadata().is_err(),
+            "{} exists already: give another name with --out, or remove it",
+            path.display()
+        );
     }
     Ok(())
 }
 
 /// Refuses the name of a table or a page if it is a file of another kind, which does not begin with `start`.
-pub(super) fn refuse_unlike(path: &Path, start: &[u8]) -> Result<(), OutputError> {
-    let unreadable = |source| OutputError::Unreadable {
-        path: path.to_owned(),
-        source,
-    };
-    let unlike = || OutputError::Unlike(path.to_owned());
-    match path.metadata() {
-        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
-        Err(error) => return Err(unreadable(error)),
+pub(super) fn refuse_unlike(path: &Path, start: &[u8]) -> anyhow::Result<()> {
+    let first = || -> io::Result<Option<Vec<u8>>> {
         // Opening a pipe would block.
-        Ok(found) if !found.is_file() => return Err(unlike()),
-        Ok(_) => {}
-    }
-    let mut found = Vec::new();
-    let file = File::open(path).map_err(unreadable)?;
-    file.take(start.len() as u64)
-        .read_to_end(&mut found)
-        .map_err(unreadable)?;
-    if found == start {
-        Ok(())
-    } else {
-        Err(unlike())
+        if !path.metadata()?.is_file() {
+            return Ok(None);
+        }
+        let mut first = Vec::new();
+        File::open(path)?
+            .take(start.len() as u64)
+            .read_to_end(&mut first)?;
+        Ok(Some(first))
+    };
+    match first() {
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
+        Err(error) => bail!(
+            "{} cannot be replaced: {error}; give another name",
+            path.display()
+        ),
+        Ok(Some(first)) if first == start => Ok(()),
+        Ok(_) => bail!(
+            "{} exists already, and it is no earlier output of this command: give another name, or remove it",
+            path.display()
+        ),
     }
 }
 
@@ -99,11 +87,10 @@ pub(super) fn file_of(
 ) -> anyhow::Result<PathBuf> {
     let name = format!("{}.{ending}", recording.full_name());
     let mut parts = Path::new(&name).components();
-    if !parts.all(|part| matches!(part, Component::Normal(_))) {
-        anyhow::bail!(
-            "{name}: expected the name of a recording, found a path that leads elsewhere"
-        );
-    }
+    ensure!(
+        parts.all(|part| matches!(part, Component::Normal(_))),
+        "{name}: expected the name of a recording, found a path that leads elsewhere"
+    );
     Ok(folder.join(name))
 }
 
@@ -128,12 +115,10 @@ mod tests {
         refuse_unlike(&path, start).unwrap();
         for other in ["", "label", "gt,emg_0\n0,1\n"] {
             std::fs::write(&path, other).unwrap();
-            let error = refuse_unlike(&path, start).unwrap_err();
-            assert!(matches!(error, OutputError::Unlike(_)), "{error}");
+            assert!(refuse_unlike(&path, start).is_err(), "{other}");
         }
-        let error = refuse_unlike(folder.path(), start).unwrap_err();
-        assert!(matches!(error, OutputError::Unlike(_)), "{error}");
-        assert!(refuse_existing(&path).is_err());
-        assert!(refuse_existing(&folder.path().join("new")).is_ok());
+        assert!(refuse_unlike(folder.path(), start).is_err());
+        assert!(refuse_existing([&path]).is_err());
+        assert!(refuse_existing([&folder.path().join("new")]).is_ok());
     }
 }

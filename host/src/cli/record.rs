@@ -1,23 +1,20 @@
 //! `myointent record`: a guided recording session on a page.
 
-use std::io::Write as _;
 use std::net::IpAddr;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use clap::Args;
 
-use super::arguments::{AS_RECORDED, IMU};
-use super::live::{SourceArguments, listen, serve};
+use super::live::{StreamArguments, listen, serve};
 use super::read_model;
 use crate::live::{Options, RecordOptions};
 use crate::record::{self, Conversion};
 use execution::progress;
 #[cfg(feature = "train")]
 use training::backend::BackendArguments;
-use web::record::protocol::{self, BUILT_IN, Course, Protocol};
+use web::record::protocol::{Course, Protocol};
 
-/// Arguments of `record`.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Give one source: --port, --bluetooth, --replay or --demo.\n\nExamples:\n  myointent record --person anna --port /dev/ttyACM0\n  myointent record --person test --demo --speed 4",
@@ -32,14 +29,7 @@ use web::record::protocol::{self, BUILT_IN, Course, Protocol};
 )]
 pub struct Arguments {
     #[command(flatten)]
-    source: SourceArguments,
-    /// Recording to play, if the path of --replay holds several, as `data inspect` prints it: data-set/person/name.
-    #[arg(long, requires = "replay")]
-    name: Option<String>,
-    #[arg(hide_short_help = true, long, help = AS_RECORDED, requires = "replay")]
-    as_recorded: bool,
-    #[arg(long, help = IMU, conflicts_with_all = ["demo", "replay"])]
-    imu: bool,
+    stream: StreamArguments,
     /// Name of the person who is recorded: letters, digits and hyphens.
     ///
     /// The name of the folder and the beginning of the files' names.
@@ -72,16 +62,6 @@ pub struct Arguments {
     backend: BackendArguments,
 }
 
-/// Arguments of `protocols`.
-#[derive(Debug, Args)]
-#[command(
-    after_help = "Examples:\n  myointent protocols\n  myointent protocols quick > mine.toml\n  myointent record --person anna --demo --protocol mine.toml"
-)]
-pub struct ProtocolArguments {
-    /// Protocol to print as TOML; all are listed if not given. A file is checked.
-    name: Option<String>,
-}
-
 /// Parses a person's name: letters, digits and hyphens, as readers of the files expect.
 fn person(name: &str) -> Result<String, String> {
     let allowed = |letter: char| letter.is_ascii_alphanumeric() || letter == '-';
@@ -102,9 +82,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         );
     }
     let model = arguments.model.as_deref().map(read_model).transpose()?;
-    let source = arguments
-        .source
-        .source(arguments.name.as_deref(), arguments.as_recorded)?;
+    let source = arguments.stream.source()?;
     #[cfg(feature = "train")]
     let device = arguments.backend.device()?;
     let whole = recover(&arguments.out.join(&arguments.person))?;
@@ -125,7 +103,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         source,
         model,
         listen: None,
-        imu: arguments.imu,
+        imu: arguments.stream.imu,
         record: Some(record),
     };
     serve(arguments.listen, options)?;
@@ -174,21 +152,6 @@ fn told(kept: &Conversion) -> String {
         text += &format!("\n    {finding}: {}", finding.advice());
     }
     text
-}
-
-/// Lists the built-in protocols or prints one.
-pub(super) fn protocols(arguments: &ProtocolArguments) -> anyhow::Result<()> {
-    let mut out = std::io::stdout().lock();
-    if let Some(name) = &arguments.name {
-        Protocol::find(name)?;
-        write!(out, "{}", protocol::text(name)?)?;
-        return Ok(());
-    }
-    for (name, text) in BUILT_IN {
-        let about = text.lines().map_while(|line| line.strip_prefix("# "));
-        writeln!(out, "{name:12} {}", about.collect::<Vec<_>>().join(" "))?;
-    }
-    Ok(())
 }
 
 #[cfg(test)]

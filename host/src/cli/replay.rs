@@ -71,7 +71,6 @@ pub struct Arguments {
     speed: bool,
 }
 
-/// Replays a recording.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let path = &arguments.model;
     let bytes = read_model(path)?;
@@ -165,19 +164,15 @@ fn lines_from(model: &[u8], samples: &[Sample], start: Start) -> anyhow::Result<
     Ok(lines)
 }
 
-/// Beginning of a replay.
 #[derive(Clone, Copy, Default)]
 struct Start {
     /// Arm of an alignment that begins with the first sample.
     align: Option<Arm>,
-    /// Whether labels are locked.
     lock: bool,
-    /// Whether lines have the strength.
     strength: bool,
     calibrate: Option<Lesson>,
 }
 
-/// Calibration in a replay.
 #[derive(Clone, Copy)]
 struct Lesson {
     /// Samples before it.
@@ -266,7 +261,6 @@ mod tests {
     use shared::stream::strength::Percent;
     use shared::uart_line::alignment::AlignmentState;
 
-    /// Lines of a replay.
     fn lines(bytes: &[u8], samples: &[Sample], start: Start) -> Vec<String> {
         let lines = lines_from(bytes, samples, start).unwrap();
         lines.split_inclusive('\n').map(str::to_owned).collect()

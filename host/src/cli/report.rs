@@ -28,7 +28,6 @@ use {
     },
 };
 
-/// Arguments of `report`.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  myointent report runs/mine\n  myointent report models/three-class.intent --data DIR",
@@ -64,7 +63,6 @@ pub struct Arguments {
     backend: BackendArguments,
 }
 
-/// Writes the page and prints its tables.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if arguments.reported.len() > MOST_ENTRIES {
         bail!(

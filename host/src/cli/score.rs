@@ -15,7 +15,6 @@ use recordings::labels::lag::LabelLag;
 use recordings::labels::motion::{GroundTruth, Motion};
 pub use recordings::readers::label_file::{self, Purpose};
 
-/// Arguments of `myointent score`.
 #[derive(clap::Args, Debug)]
 #[command(
     // Not in `long_about`, which the one line of the subcommand hides.
@@ -77,14 +76,12 @@ pub struct Arguments {
     json: bool,
 }
 
-/// Runs `myointent score`.
 pub(super) fn run(args: Arguments) -> anyhow::Result<()> {
     let report = report(&args)?;
     std::io::stdout().write_all(report.as_bytes())?;
     Ok(())
 }
 
-/// Formats the scores as text or JSON.
 fn report(args: &Arguments) -> anyhow::Result<String> {
     if args.prediction.is_dir() {
         return folder::report(args);
@@ -116,7 +113,6 @@ fn score(args: &Arguments) -> anyhow::Result<LabelScore> {
 }
 
 impl Arguments {
-    /// Rule of transitions.
     const fn rule(&self) -> Rule {
         Rule {
             buffer: self.buffer,

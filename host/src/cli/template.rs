@@ -19,7 +19,6 @@ use recordings::split::predefined;
 use recordings::{Library, Recording};
 use shared::model::file::Model;
 
-/// Arguments of `template`.
 #[derive(Debug, Args)]
 #[command(
     after_help = "The template says what an open hand looks like over the electrodes; the device aligns the armband by it\n\
@@ -46,12 +45,9 @@ pub struct Arguments {
     as_recorded: bool,
 }
 
-/// Writes the model file with its template.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let path = &arguments.model;
-    if let Some(out) = &arguments.out {
-        refuse_existing(out)?;
-    }
+    refuse_existing(&arguments.out)?;
     let bytes = read_model(path)?;
     let library = recordings_of(&[&arguments.data], arguments.strict, arguments.as_recorded)?;
     let (file, people) = model_with_template(&bytes, &library)?;

@@ -30,7 +30,6 @@ pub(super) enum HidRequest {
     State,
 }
 
-/// An output, or none.
 type OrNone = Option<Output>;
 
 fn gesture(text: &str) -> Result<Intent, String> {

@@ -32,7 +32,6 @@ const PATIENCE: Duration = Duration::from_secs(35);
 /// Pause between two checks whether a pairing is over.
 const AGAIN: Duration = Duration::from_secs(1);
 
-/// Arguments of `board`.
 #[derive(Debug, Args)]
 #[command(
     after_help = "The board's serial port is one USB cable away on the development kits. Close other programs that read it.\n\n\
@@ -280,7 +279,6 @@ fn run_align(board: &mut Board, align: &Align) -> anyhow::Result<()> {
     }
 }
 
-/// Reads the alignment in force.
 fn in_force(board: &mut Board) -> Result<Alignment, BoardError> {
     let state = Command::Align(AlignCommand::State);
     board.ask(state, |answer| match answer {

@@ -81,7 +81,6 @@ const COUNTS: [&str; 16] = [
     "raw lines dropped: line too slow",
 ];
 
-/// Prints counts, one a line.
 pub(super) fn counted(counts: &Counts) -> String {
     let rows = COUNTS.iter().zip(counts.numbers());
     rows.map(|(name, number)| format!("{number:>10}  {name}\n"))

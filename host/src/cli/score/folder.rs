@@ -18,7 +18,6 @@ use super::{Arguments, Purpose, emission, label_file, labels};
 use crate::cli::arguments::recordings_of;
 use crate::cli::output::file_of;
 
-/// Formats the scores of the labels in a folder as text or JSON.
 pub(super) fn report(args: &Arguments) -> anyhow::Result<String> {
     if args.rule() != Rule::default() {
         bail!(
@@ -103,7 +102,6 @@ mod tests {
         crate::cli::run(line) == ExitCode::SUCCESS
     }
 
-    /// Writes a small model file.
     fn write_model(file: &str) {
         std::fs::write(file, random_model(SMALL, 5).to_bytes().unwrap()).unwrap();
     }

@@ -30,7 +30,6 @@ pub(crate) const ARMBAND: Address = Address {
 pub(crate) struct Kept {
     /// CRC-32 of the model in its flash before a file comes.
     pub(crate) model: Option<u32>,
-    /// Whom it follows.
     pub(crate) following: Following,
     /// Whom its pairing hears.
     pub(crate) hears: Option<Address>,
