@@ -274,19 +274,16 @@ fn scores(found: &[f64], force: &[f64]) -> [f64; 5] {
 }
 
 fn correlation(one: &[f64], two: &[f64]) -> f64 {
-    let means = [one, two].map(|values| mean(values.iter().copied()));
-    let products = |of: [&[f64]; 2], means: [f64; 2]| -> f64 {
-        of[0]
-            .iter()
-            .zip(of[1])
-            .map(|(a, b)| (a - means[0]) * (b - means[1]))
-            .sum()
-    };
-    let spread = products([one, one], [means[0]; 2]) * products([two, two], [means[1]; 2]);
+    let [one, two] = [one, two].map(|values| {
+        let mean = mean(values.iter().copied());
+        values.iter().map(|x| x - mean).collect::<Vec<_>>()
+    });
+    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let spread = product(&one, &one) * product(&two, &two);
     if spread == 0.0 {
         0.0
     } else {
-        products([one, two], means) / spread.sqrt()
+        product(&one, &two) / spread.sqrt()
     }
 }
 
@@ -304,22 +301,18 @@ fn median(mut values: Vec<f64>) -> f64 {
 }
 
 fn row(name: &str, people: &[[f64; 5]]) {
-    let [r, error, order, variation, lag] = std::array::from_fn(|column| {
-        people
-            .iter()
-            .map(|scores| scores[column])
-            .collect::<Vec<_>>()
-    });
-    let least = |values: &[f64]| values.iter().copied().fold(f64::INFINITY, f64::min);
-    let most = error.iter().copied().fold(0.0, f64::max);
+    let column = |at: usize| people.iter().map(move |scores| scores[at]);
+    let middle = |at| median(column(at).collect());
+    let least = |at| column(at).fold(f64::INFINITY, f64::min);
     println!(
-        "| {name} | {:.3} ({:.3}) | {:.1} ({most:.1}) | {:.2} ({:.2}) | {:.3} | {:.0} |",
-        median(r.clone()),
-        least(&r),
-        median(error),
-        median(order.clone()),
-        least(&order),
-        median(variation),
-        median(lag),
+        "| {name} | {:.3} ({:.3}) | {:.1} ({:.1}) | {:.2} ({:.2}) | {:.3} | {:.0} |",
+        middle(0),
+        least(0),
+        middle(1),
+        column(1).fold(0.0, f64::max),
+        middle(2),
+        least(2),
+        middle(3),
+        middle(4),
     );
 }

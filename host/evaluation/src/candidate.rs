@@ -63,7 +63,6 @@ impl Candidate {
             .filter(|&look_ahead| self.looks_back || look_ahead == LookAhead::None)
     }
 
-    /// The smoother's settings under a condition.
     fn settings(&self, look_ahead: LookAhead) -> Settings {
         Settings {
             margins: self.margins,

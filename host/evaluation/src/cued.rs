@@ -44,7 +44,6 @@ pub fn cued<'t>(
     by_set
 }
 
-/// Number of gestures in a truth.
 fn count(truth: &[Option<Intent>]) -> usize {
     let nothing = vec![None; truth.len()];
     gestures(truth, &nothing).len()

@@ -73,14 +73,12 @@ impl Score {
             .collect()
     }
 
-    /// Adds the means over people.
     fn with_means(mut self) -> Self {
         let mean = |measure: Measure| Some((measure.name().to_owned(), measure.mean(&self)?));
         self.means = Measure::ALL.into_iter().filter_map(mean).collect();
         self
     }
 
-    /// Name of the row's people in tables.
     pub(crate) fn people_name(&self) -> String {
         self.people.name(self.classes)
     }
@@ -150,7 +148,6 @@ pub fn score(
     )
 }
 
-/// Labels of a candidate for each recording.
 fn labels(
     candidate: &Candidate,
     recordings: &[EvaluatedRecording],
@@ -205,8 +202,7 @@ fn rows(
     if sets.len() != 1 {
         sets.push(ALL);
     }
-    let everybody = scored.iter().map(|(_, scores)| scores.reference[0].clone());
-    let everybody = summary(&everybody.collect::<Vec<_>>());
+    let everybody = summary(scored.iter().map(|(_, scores)| &scores.reference[0]));
     let groups = groups(&everybody.subjects, vocabulary.classes());
     let row = |(set, people): (&'static str, Group)| {
         let own: Vec<_> = scored
@@ -218,13 +214,7 @@ fn rows(
         if own.is_empty() && !(scored.is_empty() && people == Group::AllClasses) {
             return None;
         }
-        let summary_of = |index: usize| {
-            let scores = own
-                .iter()
-                .map(|(_, scores)| scores.reference[index].clone());
-            summary(&scores.collect::<Vec<_>>())
-        };
-        let emission = own.iter().map(|(_, scores)| scores.emission.clone());
+        let reference = |index: usize| summary(own.iter().map(|(_, of)| &of.reference[index]));
         let mut by_subject: BTreeMap<&str, Vec<&RecordingEvents>> = BTreeMap::new();
         for (recording, scores) in &own {
             let events = by_subject.entry(&recording.subject).or_default();
@@ -240,8 +230,8 @@ fn rows(
             people,
             look_ahead,
             truth,
-            reference: std::array::from_fn(summary_of),
-            emission: summary(&emission.collect::<Vec<_>>()),
+            reference: std::array::from_fn(reference),
+            emission: summary(own.iter().map(|(_, of)| &of.emission)),
             events: EventSummary::of_subjects(subjects.collect()),
             means: BTreeMap::new(),
         };

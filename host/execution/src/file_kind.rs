@@ -4,45 +4,28 @@ use std::fmt;
 
 shared::names! {
     /// Kind of a file.
+    #[expect(missing_docs, reason = "the names say it")]
     pub enum FileKind {
-        /// No bytes.
         Empty = "an empty file",
-        /// Model file of this project.
         Model = "a model file",
-        /// Array of numpy.
         Npy = "an npy array",
-        /// MATLAB, version 5 to 7.2.
         Mat = "a MATLAB file",
-        /// HDF5, which MATLAB 7.3 writes too.
         Hdf5 = "an HDF5 file (MATLAB 7.3 writes such)",
-        /// EDF or BDF, the European data format of biosignals.
         Edf = "an EDF or BDF file",
-        /// XDF, as LabRecorder writes it.
         Xdf = "an XDF file",
-        /// Zip archive: also npz, xlsx and PyTorch checkpoints.
         Zip = "a zip archive",
-        /// Gzip, mostly a tar archive.
         Gzip = "a gzip archive",
-        /// Tar archive.
         Tar = "a tar archive",
-        /// Stand-in that Git leaves until the content is fetched.
         LfsPointer = "a Git LFS pointer without the content",
-        /// Page of a web site.
         Html = "an HTML page",
-        /// JSON.
         Json = "JSON",
-        /// UTF-16 text.
         Utf16 = "UTF-16 text",
-        /// Rows of numbers, with or without a header.
         Table = "a table of numbers (csv)",
-        /// Other text.
         Text = "text",
-        /// Any other content.
         Binary = "binary data of no known kind",
     }
 }
 
-/// Bytes that are examined.
 const EXAMINED: usize = 4096;
 
 impl FileKind {

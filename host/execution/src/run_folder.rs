@@ -22,9 +22,7 @@ pub use error::RunError;
 pub use json::EpochMetrics;
 use lock::Lock;
 
-/// Ending of a checkpoint's name.
 const CHECKPOINT: &str = ".checkpoint";
-/// Ending of the name of a model's weights.
 const WEIGHTS: &str = ".bpk";
 /// Ending of the name of a file with a line of metrics an epoch.
 const METRICS: &str = ".jsonl";

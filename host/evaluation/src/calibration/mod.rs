@@ -180,7 +180,6 @@ fn alignment(
     })
 }
 
-/// Hidden vector at each patch of a recording.
 fn hidden_vectors(
     model: &Model<'_>,
     recording: &EvaluatedRecording,

@@ -28,7 +28,6 @@ pub struct Stream<'s> {
     pipeline: Pipeline<'s, HostEncoder<'s>>,
     /// Line of the start, until it is written.
     start: Option<Report>,
-    /// Samples so far.
     count: u64,
     calibration: Option<WearerCalibration<'s>>,
 }

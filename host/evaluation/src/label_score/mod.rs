@@ -80,7 +80,6 @@ impl LabelScore {
     }
 }
 
-/// Delays labels by a number of samples.
 fn delayed(labels: &[Option<Intent>], samples: usize) -> Vec<Option<Intent>> {
     let kept = labels.len().saturating_sub(samples);
     let before = std::iter::repeat_n(None, labels.len() - kept);

@@ -158,13 +158,10 @@ impl LabelScore {
             text += &format!("\n{}", changes(&transitions.changes).plain());
         }
         let mut reasons: BTreeMap<TransitionStatus, usize> = BTreeMap::new();
-        for change in transitions
-            .changes
-            .iter()
-            .filter(|change| change.status != TransitionStatus::Ok)
-        {
+        for change in &transitions.changes {
             *reasons.entry(change.status).or_default() += 1;
         }
+        reasons.remove(&TransitionStatus::Ok);
         for (status, count) in reasons {
             text += &format!("{count} x {}: {}\n", status.name(), status.reason());
         }
@@ -215,7 +212,6 @@ fn gestures(gestures: &[Gesture]) -> Table {
     table
 }
 
-/// Time of a sample in seconds.
 fn seconds(sample: usize) -> String {
     format!("{:.2}", sample as f64 / f64::from(SAMPLE_RATE_HZ))
 }

@@ -44,7 +44,6 @@ pub fn predicted_length(prediction: &[Option<Intent>]) -> usize {
         .map_or(0, |last| last + 1)
 }
 
-/// Writes an intent by its name.
 fn by_name<S: serde::Serializer>(intent: &Intent, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.serialize_str(intent.name())
 }

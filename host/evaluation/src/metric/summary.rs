@@ -117,8 +117,7 @@ impl Summary {
     }
 }
 
-/// Summary of the scores of recordings, per subject and over subjects.
-pub(crate) fn summary(scores: &[RecordingScore]) -> Summary {
+pub(crate) fn summary<'s>(scores: impl IntoIterator<Item = &'s RecordingScore>) -> Summary {
     let mut by_subject: BTreeMap<&str, Vec<&RecordingScore>> = BTreeMap::new();
     for score in scores {
         by_subject.entry(&score.subject).or_default().push(score);
@@ -164,8 +163,6 @@ fn of_subject(subject: &str, scores: &[&RecordingScore]) -> SubjectScore {
 
 #[cfg(test)]
 mod tests {
-    use proptest::prelude::*;
-
     use super::*;
     use crate::fixture::{O, R, labels};
     use crate::{Measure, Score};
@@ -212,35 +209,5 @@ mod tests {
         prediction[490..].fill(None);
         let score = RecordingScore::new("a", &step(500), &prediction, &Rule::default()).unwrap();
         assert_eq!(summary(&[score]).subjects[0].classes, 2);
-    }
-
-    proptest! {
-        #![proptest_config(ProptestConfig::with_cases(32))]
-        #[test]
-        fn subjects_in_any_folds_are_summarized_as_if_scored_together(
-            recordings in prop::collection::vec((0..6_usize, 0..150_usize), 1..16),
-            fold_of in prop::collection::vec(0..3_usize, 6),
-        ) {
-            let score = |&(who, late): &(usize, usize)| {
-                let (subject, prediction) = (format!("s{who}"), step(500 + late));
-                RecordingScore::new(&subject, &step(500), &prediction, &Rule::default()).unwrap()
-            };
-            let scores: Vec<_> = recordings.iter().map(score).collect();
-            let mut merged = Vec::new();
-            for fold in (0..3).rev() {
-                let own = |score: &&RecordingScore| fold_of[score.subject[1..].parse::<usize>().unwrap()] == fold;
-                let part: Vec<_> = scores.iter().filter(own).cloned().collect();
-                merged.extend(summary(&part).subjects);
-            }
-            let merged = Summary::of_subjects(merged);
-            prop_assert_eq!(&merged, &summary(&scores));
-            // Naive median: all offsets of all subjects, sorted, the middle one.
-            let mut late: Vec<_> = scores.iter().flat_map(|s| s.transitions.offsets()).collect();
-            late.sort_unstable();
-            if late.len() % 2 == 1 {
-                let middle = f64::from(late[late.len() / 2]) * 5.0;
-                prop_assert_eq!(merged.offset.unwrap().signed_median, middle);
-            }
-        }
     }
 }

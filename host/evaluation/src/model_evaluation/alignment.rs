@@ -77,7 +77,6 @@ fn name_of<S: Serializer>(state: &AlignmentState, serializer: S) -> Result<S::Ok
     serializer.serialize_str(state.name())
 }
 
-/// Alignments of all models and people.
 #[derive(Default)]
 pub(super) struct Aligned {
     /// A result for each model and person.

@@ -69,7 +69,6 @@ fn own<'r>(recordings: &'r [EvaluatedRecording], places: &[usize]) -> Vec<&'r Ev
     places.iter().map(|&at| &recordings[at]).collect()
 }
 
-/// Calibrates each model by each person.
 pub(super) fn calibrated(
     models: &[(&NamedModel, &Model<'_>)],
     recordings: &[EvaluatedRecording],
@@ -141,7 +140,6 @@ pub(super) fn set_aside(recordings: &mut [EvaluatedRecording], people: &People) 
     }
 }
 
-/// Candidate of a model with each person's head.
 pub(super) fn calibrated_candidate(
     name: &str,
     model: &Model<'_>,

@@ -83,7 +83,6 @@ pub fn beside(
     }
 }
 
-/// The classes of all models.
 pub(super) fn common_vocabulary(
     models: &[NamedModel],
     parsed: &[Model<'_>],

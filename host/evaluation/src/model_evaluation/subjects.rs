@@ -20,14 +20,12 @@ pub struct EvaluatedSubject {
     pub test: bool,
 }
 
-/// People who are not evaluated, by reason.
 #[derive(Default)]
 pub(super) struct LeftOut {
     pub(super) seen: Vec<String>,
     pub(super) test: Vec<String>,
 }
 
-/// The people to evaluate, and those who are not.
 pub(super) fn subjects(
     models: &[NamedModel],
     parsed: &[Model<'_>],

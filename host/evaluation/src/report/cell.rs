@@ -24,7 +24,7 @@ pub fn of_people(cell: String, people: usize, of_row: usize) -> String {
 
 /// A share of 1 over subjects: mean with three digits, deviation with two.
 pub(crate) fn share(value: Option<MeanSd>) -> String {
-    spread(value, |mean| format!("{mean:.3}"), |sd| format!("{sd:.2}"))
+    spread(value, 3, 2)
 }
 
 /// A share of 1 over subjects: mean with three digits, 95 % interval of the mean with two.
@@ -47,7 +47,7 @@ pub(crate) fn narrow_estimate(mean: Option<MeanSd>, interval: Option<Interval>) 
 
 /// Events a minute, mean over subjects.
 pub(crate) fn rate(value: Option<MeanSd>) -> String {
-    spread(value, |mean| format!("{mean:.1}"), |sd| format!("{sd:.1}"))
+    spread(value, 1, 1)
 }
 
 /// Median and 90th percentile of a latency in ms, `285 / 610`. Where one falls on a missed gesture, the share that is
@@ -111,14 +111,11 @@ pub fn difference(value: Option<Difference>) -> String {
     format!("{mean}{interval} n {}{words}", value.mean.n)
 }
 
-fn spread(
-    value: Option<MeanSd>,
-    mean: impl Fn(f64) -> String,
-    deviation: impl Fn(f64) -> String,
-) -> String {
+/// Mean and deviation with so many decimals.
+fn spread(value: Option<MeanSd>, decimals: usize, of_deviation: usize) -> String {
     let Some(value) = value else { return none() };
-    let deviation = value.sd.map(|sd| format!(" ({})", deviation(sd)));
-    mean(value.mean) + &deviation.unwrap_or_default()
+    let deviation = value.sd.map(|sd| format!(" ({sd:.of_deviation$})"));
+    format!("{:.decimals$}{}", value.mean, deviation.unwrap_or_default())
 }
 
 fn whole(value: f64) -> String {

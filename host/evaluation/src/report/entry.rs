@@ -44,7 +44,6 @@ impl<'a> Entry<'a> {
         over_all(&self.scores).collect()
     }
 
-    /// Rows of the energy detector over all recordings.
     pub(super) fn energy(&self) -> impl Iterator<Item = &Row<'a>> {
         over_all(&self.floors).filter(|floor| floor.model == System::Energy)
     }

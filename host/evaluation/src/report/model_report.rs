@@ -43,7 +43,6 @@ pub fn write(evaluation: &ModelEvaluation, data: &str, page: &Path) -> Result<()
     report.write(page)
 }
 
-/// Notes for the reader of such a page.
 pub(super) fn notes() -> Vec<String> {
     [
         "Labels are lag-compensated: those that were cues begin where the muscle follows, by each cue's own lag where rest \
@@ -110,7 +109,6 @@ pub fn label_tables(scores: &[Score]) -> Vec<Table> {
     [narrow(caption, &rows)].into_iter().chain(people).collect()
 }
 
-/// Caption of the scores of model files.
 pub(super) const SCORES: &str = "Lag-compensated labels, each model with its own look-ahead; mean over subjects, with its 95 % interval from six on";
 
 /// Tables: scores of all models and floors; the first model against the others and the floors; alignments.
@@ -138,7 +136,6 @@ fn tables_of_models(results: &ModelResults, rows: &[Row<'_>], wide: bool) -> Vec
     tables
 }
 
-/// Whether a row is the first model's.
 fn is_first(results: &ModelResults, row: &Row<'_>) -> bool {
     let first = results.models.first();
     first.is_some_and(|model| row.model == System::Model(model.name.clone()))
@@ -288,12 +285,10 @@ fn rows<'a>(results: &'a ModelResults) -> Vec<Row<'a>> {
     results.scores.iter().map(row).collect()
 }
 
-/// Name of a model on a page.
 pub(super) fn shown_name(results: &ModelResults, model: &str) -> String {
     model.to_owned() + &mark(results, model)
 }
 
-/// The evaluated people whom a model has seen.
 fn seen_by<'a>(results: &'a ModelResults, model: &str) -> Vec<&'a str> {
     let saw = |own: &&EvaluatedSubject| own.seen_by.iter().any(|name| name == model);
     let seen = results.subjects.iter().filter(saw);

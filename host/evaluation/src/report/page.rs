@@ -53,7 +53,6 @@ impl<'s> Page<'s> {
         Ok(write_whole(path, self.html()?.as_bytes())?)
     }
 
-    /// The whole page.
     pub(super) fn html(&self) -> Result<String, EvaluationError> {
         let sections = self.sections()?;
         let page = html! {

@@ -66,7 +66,6 @@ pub(super) const COLUMNS: [Column; 16] = [
 ];
 
 impl PersonScores<'_> {
-    /// Cell about the person's events.
     fn shown(&self, cell: fn(&SubjectEvents) -> Option<String>) -> String {
         self.events.and_then(cell).unwrap_or_default()
     }

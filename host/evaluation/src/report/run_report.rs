@@ -16,7 +16,6 @@ use crate::{Candidate, EvaluatedRecording, EvaluationError, LookAhead, Score, Sy
 use execution::run_folder::{EpochMetrics, RunError, RunFolder};
 use presets::config::ResolvedConfig;
 
-/// Name of the report in a run folder.
 const REPORT: &str = "report.html";
 
 /// Writes the report of a run's models into its folder, if it has any; returns the place of the file.
@@ -103,7 +102,6 @@ pub(super) fn entry<'a>(
     }
 }
 
-/// Origin of the numbers.
 fn provenance(config: &ResolvedConfig, results: &Results) -> Vec<Fact> {
     let sets: Vec<_> = config.lags.keys().map(|set| set.name()).collect();
     let recordings = if config.data.is_some() {
@@ -130,7 +128,6 @@ pub(super) const PEOPLE: &str = "People whose recordings have all classes of the
      their own, and no mean is over both. A number of fewer people than its row has says so (n). Intervals are shown from six \
      people on; over fewer than about ten they are too narrow.";
 
-/// Notes for the reader of the page of a run.
 pub(super) fn notes() -> Vec<String> {
     [
         "Labels of these recordings are cues: muscle activity follows a few tenths of a second later. The tables show \

@@ -27,7 +27,6 @@ const TUNED: [(Measure, usize); 7] = [
 /// Column of a table of scores: its name, and its cells.
 type Column = (&'static str, Cell);
 
-/// Cell in the row of a score.
 #[derive(Clone, Copy)]
 enum Cell {
     /// Text about the row.
@@ -60,7 +59,6 @@ const RAISED: Column = (Raised.name(), Of(Raised, mean_share));
 const DAILY: Column = (DailyActivations.name(), Of(DailyActivations, mean_rate));
 const SUBJECTS: Column = ("subjects", Text(|own| people(own).to_string()));
 
-/// Columns of a table of scores.
 const SCORES: [Column; 20] = [
     RECORDINGS,
     CLASSES,
@@ -164,7 +162,6 @@ fn mean_rate(score: &Score, measure: Measure) -> String {
     rate(measure.mean(score))
 }
 
-/// Mean and 95 % interval.
 pub(super) fn estimated(score: &Score, measure: Measure) -> String {
     estimate(measure.mean(score), measure.interval(score))
 }
@@ -244,7 +241,6 @@ pub fn summary(results: &Results) -> Table {
     table
 }
 
-/// Table with a row for each score.
 pub(super) fn table(caption: &str, rows: &[Row<'_>]) -> Table {
     // Few data sets mark movements outside the vocabulary, or are daily life.
     let has = |measure: Measure| rows.iter().any(|own| measure.mean(own).is_some());

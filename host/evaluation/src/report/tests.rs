@@ -65,7 +65,6 @@ impl Evaluated {
         }
     }
 
-    /// The model on a page.
     fn entry(&self) -> Entry<'_> {
         let look_ahead = LookAhead::SameInstant;
         let own = self.results.published.iter();

@@ -116,7 +116,6 @@ impl Artefact {
         Ok(bytes)
     }
 
-    /// Reads the bytes of a file.
     fn decode(path: &Path, bytes: &[u8]) -> Result<Self, String> {
         let text = bytes.strip_prefix(MAGIC).ok_or("it has another format")?;
         let end = text.iter().position(|&byte| byte == b'\n');

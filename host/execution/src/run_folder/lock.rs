@@ -11,7 +11,6 @@ use std::time::SystemTime;
 use super::RunError;
 use crate::utc::utc;
 
-/// Name of the lock's file in a run folder.
 const LOCK: &str = "run.lock";
 /// Maximum size of an entry in bytes, read or written.
 const LONGEST: usize = 400;

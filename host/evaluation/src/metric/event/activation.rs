@@ -23,7 +23,6 @@ pub struct Rate {
 }
 
 impl Rate {
-    /// A count over a number of samples.
     pub(super) fn of(count: usize, samples: usize) -> Self {
         Self {
             count,

@@ -68,7 +68,6 @@ shared::names! {
 pub(super) struct Owner {
     label: Intent,
     span: Range<usize>,
-    /// Samples that the gesture owns.
     pub(super) samples: Range<usize>,
     /// Whether it is counted: its onset is in the recording and enough of it too.
     counted: bool,

@@ -43,7 +43,6 @@ pub fn summary(latencies: &[i32], gestures: usize) -> Option<LatencySummary> {
     })
 }
 
-/// A number of samples in milliseconds.
 pub(crate) fn milliseconds(samples: i32) -> f64 {
     f64::from(samples) * f64::from(SAMPLE_PERIOD_MS)
 }

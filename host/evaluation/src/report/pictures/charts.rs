@@ -21,7 +21,6 @@ pub(in crate::report) struct Panel {
     pub curves: Vec<(String, Vec<Point>)>,
 }
 
-/// Width of a chart.
 const WIDTH: f64 = 520.0;
 /// Upper edge of the area inside the axes, below the head line; `FOOT` is the height below it.
 const TOP: f64 = 34.0;
@@ -164,7 +163,6 @@ pub(in crate::report) fn latencies(models: &[Vec<Option<i32>>]) -> Vec<Markup> {
         .collect()
 }
 
-/// Latencies of the recognised gestures in ms.
 fn milliseconds(latencies: &[Option<i32>]) -> Vec<f64> {
     let recognised = latencies.iter().flatten();
     recognised

@@ -24,7 +24,6 @@ const NUMBER: f64 = 86.0;
 const HEAD: f64 = 30.0;
 const ROW: f64 = 26.0;
 const FOOT: f64 = 22.0;
-/// Maximum number of letters of a name.
 const LETTERS: usize = 27;
 
 /// Picture with a row for each score, in its colour: a point for each mean, and a line over its 95 % interval.

@@ -37,10 +37,8 @@ const EMITTED: f64 = TRUTH + BAND + 5.0;
 const AXIS: f64 = EMITTED + BAND + 6.0;
 const HEIGHT: f64 = AXIS + 22.0;
 
-/// Colour of a muscle's trace.
 const TRACE: &str = "#52606D";
 
-/// Picture of a recording.
 pub(in crate::report) fn svg(timeline: &Timeline<'_>) -> Markup {
     let (emg, truth, emitted) = (timeline.emg, timeline.truth, &timeline.emitted);
     let (subject, recording) = (timeline.subject, &timeline.recording);
@@ -79,7 +77,6 @@ impl Axis {
         LEFT + (width * sample.min(samples) / samples).round() / 2.0
     }
 
-    /// Position of the start of a sample.
     fn at(&self, sample: usize) -> f64 {
         self.x(sample as f64)
     }
@@ -179,7 +176,6 @@ fn band(axis: &Axis, top: f64, name: &str, labels: &[Option<Intent>]) -> Markup 
     }
 }
 
-/// The time axis.
 fn seconds(axis: &Axis) -> Markup {
     let rate = f64::from(SAMPLE_RATE_HZ);
     let length = axis.samples as f64 / rate;
