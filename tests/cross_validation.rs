@@ -100,13 +100,7 @@ fn a_cross_validation_evaluates_everybody_once_for_each_seed_and_goes_on() {
     assert!(command(""));
     assert_eq!(student("small"), before);
 
-    let rows = fs::read_to_string(out.join("people.csv")).unwrap();
-    let row = |line: &str| {
-        let fields = fields(line);
-        // Model, seed and subject.
-        [0, 3, 6].map(|at| fields[at].clone())
-    };
-    let mut people: Vec<[String; 3]> = rows.lines().skip(1).map(row).collect();
+    let mut people = rows(&out, ["model", "seed", "subject"]);
     people.sort_unstable();
     // Four people, two seeds, two presets and a baseline with two aggregation modes, and two floors: each person in one fold of
     // each.
@@ -126,19 +120,14 @@ fn a_cross_validation_evaluates_everybody_once_for_each_seed_and_goes_on() {
     }
 }
 
-/// Splits a line of CSV into its fields; those with a comma are in quotes.
-fn fields(line: &str) -> Vec<String> {
-    let quoted = line.split('"').enumerate();
-    let text: String = quoted
-        .map(|(at, part)| {
-            if at % 2 == 1 {
-                part.replace(',', ";")
-            } else {
-                part.to_owned()
-            }
-        })
-        .collect();
-    text.split(',').map(str::to_owned).collect()
+/// Fields of these columns in each row of `people.csv`.
+fn rows<const N: usize>(out: &Path, columns: [&str; N]) -> Vec<[String; N]> {
+    let mut reader = csv::Reader::from_path(out.join("people.csv")).unwrap();
+    let header = reader.headers().unwrap().clone();
+    let at = columns.map(|name| header.iter().position(|own| own == name).expect(name));
+    let records = reader.records().map(Result::unwrap);
+    let fields = |record: csv::StringRecord| at.map(|at| record[at].to_owned());
+    records.map(fields).collect()
 }
 
 /// Writes synthetic recordings of other people than those of [`recordings`] as files of roshambo, whose subject 06 is a
@@ -191,25 +180,7 @@ fn a_cross_validation_scores_the_test_people_apart_by_students_that_never_saw_th
     small_preset(&folder);
     let out = folder.join("out");
     let command = |more: &str| cross_validate(&folder, &format!("2-fold --seeds 1 {more}"));
-    // Each row of people.csv gives model, look-ahead, seed, fold, subject, people and classes.
-    let rows = || -> Vec<Vec<String>> {
-        let text = fs::read_to_string(out.join("people.csv")).unwrap();
-        let mut lines = text.lines().map(fields);
-        let header = lines.next().unwrap();
-        let of = [
-            "model",
-            "look-ahead",
-            "seed",
-            "fold",
-            "subject",
-            "people",
-            "classes",
-        ];
-        let at = of.map(|name| header.iter().position(|own| own == name).expect(name));
-        lines
-            .map(|row| at.iter().map(|&at| row[at].clone()).collect())
-            .collect()
-    };
+    let rows = || rows(&out, ["people", "subject", "classes", "fold"]);
     let student = || {
         let run = out.join("small/seed-1/fold-1");
         // Every epoch writes a checkpoint.
@@ -221,7 +192,7 @@ fn a_cross_validation_scores_the_test_people_apart_by_students_that_never_saw_th
     assert!(
         rows()
             .iter()
-            .all(|row| row[5] == "development" && row[4] != "roshambo/06")
+            .all(|row| row[0] == "development" && row[1] != "roshambo/06")
     );
     let page = fs::read_to_string(out.join("tables.md")).unwrap();
     assert!(!page.contains("Test people"));
@@ -231,14 +202,11 @@ fn a_cross_validation_scores_the_test_people_apart_by_students_that_never_saw_th
     assert!(command("--test-people"));
     assert!(student() == trained);
     let all = rows();
-    let (test, development): (Vec<_>, Vec<_>) = all.iter().partition(|row| row[5] == "test");
+    let (test, development): (Vec<_>, Vec<_>) = all.iter().partition(|row| row[0] == "test");
     // The four people count once; one test person is scored by the student of each of two folds. Each comes under two
     // modes and two floors.
     assert_eq!((development.len(), test.len()), (4 * 4, 2 * 4));
-    assert!(
-        test.iter()
-            .all(|row| row[4] == "roshambo/06" && row[6] == "3")
-    );
+    assert!(test.iter().all(|row| row[1..3] == ["roshambo/06", "3"]));
     let folds: BTreeSet<&str> = test.iter().map(|row| &row[3][..]).collect();
     assert_eq!(folds.into_iter().collect::<Vec<_>>(), ["1", "2"]);
     let page = fs::read_to_string(out.join("tables.md")).unwrap();
@@ -251,7 +219,7 @@ fn a_cross_validation_scores_the_test_people_apart_by_students_that_never_saw_th
     }
     // Without the option the same folder has tables of development alone again.
     assert!(command(""));
-    assert!(rows().iter().all(|row| row[5] == "development"));
+    assert!(rows().iter().all(|row| row[0] == "development"));
 }
 
 #[test]

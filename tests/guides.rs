@@ -16,7 +16,6 @@ use clap::error::ErrorKind;
 use myointent::cli::Cli;
 use small::{BEGIN, process, shrunk};
 
-/// Block of commands.
 struct Block {
     /// Requirement of the block; `None` if it is run.
     needs: Option<String>,

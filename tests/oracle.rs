@@ -71,7 +71,6 @@ pub fn expected_lines(model: &[u8], inputs: &[Input<'_>]) -> anyhow::Result<Vec<
     Ok(lines.written)
 }
 
-/// Lines that are written.
 #[derive(Default)]
 struct Lines {
     written: Vec<String>,

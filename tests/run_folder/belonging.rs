@@ -12,7 +12,6 @@ use training::run::context::RunContext;
 use super::{Bench, fails, succeeds};
 use crate::small::{myointent, paths};
 
-/// Reads the scores in a model file's header.
 fn figures(file: &Path) -> Vec<(String, f32)> {
     let bytes = fs::read(file).unwrap();
     let model = Model::parse(&bytes).unwrap();

@@ -6,7 +6,6 @@ use anyhow::{Result, bail, ensure};
 
 use crate::debian;
 
-/// The command that installs what is missing.
 const HINT: &str = "cargo xtask browser --install";
 
 /// Debian's package of the letters of the page.

@@ -12,7 +12,6 @@ use anyhow::{Result, bail, ensure};
 use crate::debian;
 use crate::run;
 
-/// The command that installs what is missing.
 const HINT: &str = "cargo xtask emulator --install";
 
 /// QEMU's program, and the Debian package of it.
@@ -120,7 +119,6 @@ fn create_environment() -> Result<()> {
     run(&mut pip, "pip could not install the requirements")
 }
 
-/// The folder of the environment.
 fn environment() -> PathBuf {
     crate::target().join("armband")
 }

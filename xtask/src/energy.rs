@@ -16,7 +16,6 @@ const NOTIFICATION: f64 = 4.0 + 3.0 + 16.0;
 const SPACE_US: f64 = 150.0;
 /// The transmitter's start-up without fast ramp-up (nRF52840 product specification, RADIO, TXEN).
 const RAMP_UP_US: f64 = 140.0;
-/// Notifications a second.
 const NOTIFICATIONS: f64 = 100.0;
 /// Processor time of the Bluetooth stack for one connection event: assumed, not measured.
 const STACK_US: f64 = 200.0;

@@ -6,18 +6,10 @@
 mod corpus;
 mod program;
 
-use std::{
-    fmt, fs,
-    num::NonZero,
-    panic,
-    path::Path,
-    process::Command,
-    sync::atomic::{AtomicUsize, Ordering},
-    thread,
-    time::Instant,
-};
+use std::{fmt, fs, path::Path, process::Command, time::Instant};
 
 use anyhow::{Context as _, Result, ensure};
+use rayon::prelude::*;
 
 use self::program::{Target, folder};
 
@@ -68,33 +60,19 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     println!("target             executions  a second  branches  inputs  result");
     let targets: Vec<_> = known.iter().filter(wanted).collect();
-    let next = AtomicUsize::new(0);
     // A target is a process of one thread: one on each core.
-    let worker = || -> Result<Vec<String>> {
-        let mut findings = Vec::new();
-        while let Some(target) = targets.get(next.fetch_add(1, Ordering::Relaxed)) {
-            let outcome = fuzz(&program, target, arguments)?;
-            let name = &target.name;
-            println!("{name:<16} {outcome}");
-            findings.extend(outcome.finding.map(|finding| format!("{name}: {finding}")));
-        }
-        Ok(findings)
-    };
-    let cores = thread::available_parallelism().map_or(1, NonZero::get);
-    let findings = thread::scope(|scope| {
-        let workers: Vec<_> = (0..cores).map(|_| scope.spawn(worker)).collect();
-        let done = workers.into_iter().map(|worker| match worker.join() {
-            Ok(done) => done,
-            Err(panic) => panic::resume_unwind(panic),
-        });
-        done.collect::<Result<Vec<_>>>()
-    })?;
-    let findings = findings.concat();
+    let fuzzed = targets.par_iter().with_max_len(1).map(|target| {
+        let outcome = fuzz(&program, target, arguments)?;
+        let name = &target.name;
+        println!("{name:<16} {outcome}");
+        Ok(outcome.finding.map(|finding| format!("{name}: {finding}")))
+    });
+    let findings: Vec<Option<String>> = fuzzed.collect::<Result<_>>()?;
+    let findings: Vec<String> = findings.into_iter().flatten().collect();
     ensure!(findings.is_empty(), "{}", findings.join("\n"));
     Ok(())
 }
 
-/// Result of fuzzing a target.
 struct FuzzOutcome {
     executions: u64,
     branches: u64,

@@ -17,7 +17,6 @@ use crate::{address, cross_target, read, toolchain, write};
 /// current revision locks itself at its first reset (nRF52840 product specification 1.7, 4.8.2 "Access port protection").
 const APPROTECT: u32 = 0x1000_1208;
 const HW_DISABLED: u32 = 0x5a;
-/// Bytes of a page of flash.
 const PAGE: usize = 4096;
 /// Bytes of a line of data.
 const LINE: usize = 32;

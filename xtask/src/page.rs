@@ -65,7 +65,6 @@ pub fn build(install: bool) -> Result<String> {
     page(&part, &module)
 }
 
-/// Bytes compressed by gzip, in base64.
 fn packed(bytes: &[u8]) -> Result<String> {
     let mut packed = GzEncoder::new(Vec::new(), Compression::best());
     packed.write_all(bytes)?;
@@ -206,7 +205,6 @@ fn add(
     Ok(())
 }
 
-/// Variable of a module.
 fn variable(name: &str) -> String {
     let stem = Path::new(name).file_stem().unwrap_or_default();
     format!("module_{}", stem.to_string_lossy().replace('-', "_"))

@@ -139,7 +139,6 @@ fn reached(functions: &BTreeMap<u64, Function>, first: u64) -> BTreeSet<u64> {
     reached
 }
 
-/// All functions, by their address.
 fn functions(file: &object::File<'_>) -> Result<BTreeMap<u64, Function>> {
     let mut found: BTreeMap<u64, (String, u64)> = BTreeMap::new();
     // Where constants begin among the instructions, and where these go on.

@@ -19,7 +19,6 @@ const FLAGS: [&str; 5] = [
     "-Cllvm-args=-sanitizer-coverage-trace-compares",
 ];
 
-/// Returns the folder of the targets.
 pub(super) fn sources() -> PathBuf {
     crate::workspace().join("tests/fuzz")
 }
@@ -29,7 +28,6 @@ pub(super) fn folder() -> PathBuf {
     crate::target().join("fuzz")
 }
 
-/// Compiles it.
 pub(super) fn build() -> Result<PathBuf> {
     let host = crate::host()?;
     let compiler = env::var_os("CXX").unwrap_or_else(|| "c++".into());
@@ -56,7 +54,6 @@ pub(super) fn build() -> Result<PathBuf> {
     Ok(folder.join(host).join("release/myointent-fuzz"))
 }
 
-/// Target that the program offers.
 #[derive(PartialEq, Eq, Debug)]
 pub(super) struct Target {
     pub name: String,
@@ -76,7 +73,6 @@ impl Target {
     }
 }
 
-/// All targets of the program.
 pub(super) fn targets(program: &Path) -> Result<Vec<Target>> {
     let output = Command::new(program)
         .env("MYOINTENT_FUZZ_LIST", "1")

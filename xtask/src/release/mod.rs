@@ -16,12 +16,10 @@ use crate::firmware::{Compiling, Image};
 use crate::toolchain::{self, ARM};
 use crate::{cargo, cross_target, merge, page, target, uf2, workspace};
 
-/// List of the checksums.
 const SUMS: &str = "SHA256SUMS";
 /// Shipped models, with the one of the images first.
 const MODELS: [&str; 3] = ["three-class", "five-class", "six-class"];
 
-/// Part of a release.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, clap::ValueEnum)]
 enum ReleasePart {
     /// Images with a model, models, the page: the same from every system.

@@ -109,7 +109,6 @@ pub fn linked() -> Result<Vec<Package>> {
     Ok(found)
 }
 
-/// Output of cargo with these words.
 fn output(words: &str) -> Result<String> {
     let output = cargo().args(words.split(' ')).output();
     let output = output.context("cargo cannot be run")?;
