@@ -34,7 +34,6 @@ pub(crate) enum JobError {
 }
 
 impl JobError {
-    /// Whether the user interrupted.
     pub(crate) const fn is_interrupt(&self) -> bool {
         match self {
             Self::Run(error) | Self::Step(StepError::Run(error)) => {

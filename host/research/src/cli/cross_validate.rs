@@ -8,9 +8,10 @@ use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use clap::Args;
+use clap::{Args, ValueEnum as _};
 use execution::interrupt::Interrupt;
 use execution::progress;
+use execution::run_folder::write_whole;
 use myointent::cli::arguments::warn_of_test_people;
 use myointent::cli::steps::DataArguments;
 use presets::OperatingPoint;
@@ -19,12 +20,11 @@ use recordings::folds::Protocol;
 use training::backend::BackendArguments;
 
 use self::contenders::{contenders, presets};
-use self::output::{Tables, merged};
-use super::shell::{line, program, shared_options};
+use self::output::{merged, picture, tables};
+use super::{print, write};
 use crate::baselines::Baseline;
-use crate::cross_validation::{Contender, ContenderKind, CrossValidation, Job, Origin};
+use crate::cross_validation::{Contender, ContenderKind, CrossValidation, Job, Origin, people};
 
-/// Arguments of `cross-validate`.
 #[derive(Debug, Args)]
 #[command(
     after_help = "A job is one fold of one preset with one seed: it trains the student (and before it the teacher\n\
@@ -165,8 +165,8 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         merged(|own| Some(&own.development)),
         merged(|own| own.test.as_ref()),
     );
-    let tables = Tables::new(&development, &test);
-    writeln!(out, "{}", tables.plain())?;
+    let tables = tables(&development, &test);
+    print(&tables, &mut out)?;
     if left > 0 {
         progress::log(&format!(
             "these are {counted} of {} folds, not everybody: nothing was written; give the same command without --fold and --only",
@@ -174,7 +174,13 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         ));
         return Ok(());
     }
-    for path in tables.write(&arguments.out)? {
+    let people = people(&development, &test);
+    for path in write(&arguments.out, &tables, &people)? {
+        writeln!(out, "{}", path.display())?;
+    }
+    if let Some(picture) = picture(&development) {
+        let path = arguments.out.join("recognition.svg");
+        write_whole(&path, picture.as_bytes())?;
         writeln!(out, "{}", path.display())?;
     }
     Ok(())
@@ -205,27 +211,61 @@ fn selected<'a>(
 
 /// Shell command of one job, to be run in the current folder.
 fn command(arguments: &Arguments, contender: &Contender, seed: u64, fold: usize) -> String {
-    let mut words = vec![program(), "cross-validate".to_owned()];
-    let mut option = |name: &str, value: String| words.extend([format!("--{name}"), value]);
+    let program = std::env::args().next();
+    let program = program.unwrap_or_else(|| "myointent-research".to_owned());
+    let mut words = vec![program, "cross-validate".to_owned()];
+    let mut option = |name: &str, value: Option<String>| {
+        words.push(format!("--{name}"));
+        words.extend(value);
+    };
     for preset in &arguments.preset {
-        option("preset", preset.clone());
+        option("preset", Some(preset.clone()));
     }
     if let ContenderKind::Baseline(_) = contender.kind {
-        option("baselines", contender.argument());
+        option("baselines", Some(contender.argument()));
     }
-    option("only", contender.argument());
-    option("seeds", seed.to_string());
-    option("protocol", arguments.protocol.to_string());
-    option("fold", fold.to_string());
-    option("out", arguments.out.display().to_string());
+    option("only", Some(contender.argument()));
+    option("seeds", Some(seed.to_string()));
+    option("protocol", Some(arguments.protocol.to_string()));
+    option("fold", Some(fold.to_string()));
+    option("out", Some(arguments.out.display().to_string()));
     for point in &arguments.reaction {
-        option("reaction", point.to_string());
+        option("reaction", Some(point.to_string()));
     }
-    words.extend(arguments.test_people.then(|| "--test-people".to_owned()));
-    let mut option = |name: &str, value: String| words.extend([format!("--{name}"), value]);
+    if arguments.test_people {
+        option("test-people", None);
+    }
     if let Some(data) = arguments.data.folder() {
-        option("data", data.display().to_string());
+        option("data", Some(data.display().to_string()));
     }
-    words.extend(shared_options(&arguments.data, arguments.backend));
-    line(&words)
+    let backend = arguments.backend.backend;
+    if let Some(backend) = backend.and_then(|backend| backend.to_possible_value()) {
+        option("backend", Some(backend.get_name().to_owned()));
+    }
+    if arguments.data.strict {
+        option("strict", None);
+    }
+    let words: Vec<String> = words.iter().map(|word| quoted(word)).collect();
+    words.join(" ")
+}
+
+/// Quotes a word where a shell needs it.
+fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,=".contains(c);
+    if !word.is_empty() && word.chars().all(plain) {
+        word.to_owned()
+    } else {
+        format!("'{}'", word.replace('\'', r"'\''"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_are_quoted_where_a_shell_needs_it() {
+        let words = ["runs/fold-1", "my data", "it's", ""].map(quoted);
+        assert_eq!(words, ["runs/fold-1", "'my data'", r"'it'\''s'", "''"]);
+    }
 }

@@ -2,12 +2,15 @@
 
 mod cross_validate;
 mod personalization;
-mod shell;
 
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use evaluation::report::Table;
 use execution::progress;
+use execution::run_folder::write_whole;
 use myointent::cli::is_broken_pipe;
 
 use crate::job::JobError;
@@ -52,6 +55,22 @@ impl Cli {
             }
         }
     }
+}
+
+/// Prints tables, an empty line after each.
+fn print(tables: &[Table], out: &mut impl Write) -> io::Result<()> {
+    tables
+        .iter()
+        .try_for_each(|table| writeln!(out, "{}", table.plain()))
+}
+
+/// Writes tables and rows of people into a folder; returns the paths.
+fn write(folder: &Path, tables: &[Table], people: &Table) -> anyhow::Result<[PathBuf; 2]> {
+    let [page, rows] = ["tables.md", "people.csv"].map(|name| folder.join(name));
+    let tables: Vec<String> = tables.iter().map(Table::markdown).collect();
+    write_whole(&page, tables.join("\n").as_bytes())?;
+    write_whole(&rows, &people.csv()?)?;
+    Ok([page, rows])
 }
 
 /// Exit code: 130 after Ctrl-C, 2 for wrong arguments, 1 after any other failure.

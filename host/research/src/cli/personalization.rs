@@ -7,16 +7,16 @@ use std::path::PathBuf;
 use anyhow::Context as _;
 use clap::Args;
 use execution::interrupt::Interrupt;
-use execution::run_folder::{RunFolder, write_whole};
+use execution::run_folder::RunFolder;
 use recordings::split::predefined::is_test;
 use recordings::{LoadOptions, load};
 use shared::model::file::Model;
 use training::backend::BackendArguments;
 use training::run::quantize::MODEL;
 
+use super::{print, write};
 use crate::personalization::{Measured, Measurement, curves, people};
 
-/// Arguments of `personalization`.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Each model is tuned, and calibrated as by `myointent calibrate`, for each person whom it has not seen, test people left out,\n\
@@ -79,15 +79,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     measured.sort_by(|a, b| a.subject.cmp(&b.subject));
     let tables = curves(&measured, &arguments.amounts);
     let mut out = std::io::stdout().lock();
-    for table in &tables {
-        writeln!(out, "{}", table.plain())?;
-    }
-    let markdown: Vec<String> = tables.iter().map(|table| table.markdown()).collect();
-    write_whole(&folder.file("tables.md"), markdown.join("\n").as_bytes())?;
-    write_whole(
-        &folder.file("people.csv"),
-        &people(&measured, &arguments.amounts).csv()?,
-    )?;
-    writeln!(out, "{}", folder.file("people.csv").display())?;
+    print(&tables, &mut out)?;
+    let people = people(&measured, &arguments.amounts);
+    let [_, rows] = write(folder.path(), &tables, &people)?;
+    writeln!(out, "{}", rows.display())?;
     Ok(())
 }

@@ -15,7 +15,6 @@ pub(crate) struct Contender {
     pub(crate) kind: ContenderKind,
 }
 
-/// Kind of a contender.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ContenderKind {
     /// Integer student of the preset.
@@ -52,7 +51,6 @@ impl Contender {
         }
     }
 
-    /// Name of the contender's folder.
     pub(crate) fn folder(&self) -> String {
         match self.kind {
             ContenderKind::Student => self.preset.name.clone(),
@@ -60,7 +58,6 @@ impl Contender {
         }
     }
 
-    /// Returns the contender with another seed.
     pub(crate) fn with_seed(&self, seed: u64) -> Self {
         Self {
             preset: Preset {

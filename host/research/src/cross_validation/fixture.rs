@@ -6,7 +6,7 @@ use evaluation::metric::event::summary::SubjectEvents;
 use evaluation::metric::summary::SubjectScore;
 use evaluation::{ALL, LookAhead, Score};
 
-use super::job_scores::FoldScore;
+use super::job::FoldScore;
 use super::merged::Origin;
 
 pub(crate) const fn origin(seed: u64, fold: usize) -> Origin {

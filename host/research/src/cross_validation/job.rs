@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use burn::tensor::Device;
+use serde::{Deserialize, Serialize};
 use shared::model::LookBackLogits;
 
 use evaluation::model_evaluation::recordings_of;
-use evaluation::{ALL, Candidate, EvaluatedRecording, LookAhead, score};
+use evaluation::{ALL, Candidate, EvaluatedRecording, LookAhead, Score, score};
 use execution::fingerprint::Fingerprint;
 use execution::interrupt::Interrupt;
 use execution::progress;
@@ -24,24 +25,20 @@ use training::run::StepError;
 use training::run::context::RunContext;
 
 use super::contender::{Contender, ContenderKind};
-use super::job_scores::{FoldScore, JobScores};
-use crate::baselines::settings::BaselineSettings;
+use crate::baselines::BaselineSettings;
 use crate::job::{JobError, begun};
 
 /// Name of the file with a job's scores in its run folder.
 const SCORES: &str = "cross-validation.json";
 
-/// Settings that all jobs share.
 pub(crate) struct CrossValidation<'a> {
     /// Folder of all jobs; run folders are `NAME/seed-S/fold-K` in it.
     pub(crate) folder: &'a Path,
-    /// Whom each fold holds out.
     pub(crate) protocol: Protocol,
     /// Whether the test people are evaluated too.
     pub(crate) test_people: bool,
     /// Operating points to evaluate with; none for the contender's own.
     pub(crate) gates: Vec<Option<OperatingPoint>>,
-    /// The recordings.
     pub(crate) library: Arc<Library>,
     /// Folder of the recordings; none for synthetic ones.
     pub(crate) data: Option<&'a Path>,
@@ -49,7 +46,6 @@ pub(crate) struct CrossValidation<'a> {
     pub(crate) strict: bool,
     /// Device with gradients.
     pub(crate) device: Device,
-    /// Interrupt, set by Ctrl-C.
     pub(crate) interrupt: &'a Interrupt,
 }
 
@@ -130,7 +126,6 @@ impl CrossValidation<'_> {
         Ok(())
     }
 
-    /// Run folder of a job.
     pub(crate) fn path(&self, job: &Job) -> PathBuf {
         self.folder
             .join(job.contender.folder())
@@ -216,5 +211,50 @@ impl CrossValidation<'_> {
         let single = scores.iter().all(|own| own.score.data_set != ALL);
         scores.retain(|own| single || own.score.data_set == ALL);
         Ok(scores)
+    }
+}
+
+/// Scores of one job, as kept in its run folder.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct JobScores {
+    /// Scores on the fold's people.
+    pub(crate) development: Vec<FoldScore>,
+    /// Scores on the test people; none if these were not evaluated.
+    pub(crate) test: Option<Vec<FoldScore>>,
+}
+
+/// Score over a group of people (with all classes or fewer), of a fold or of all test people.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct FoldScore {
+    /// Operating point; none for the contender's own.
+    pub(crate) gate: Option<OperatingPoint>,
+    pub(crate) score: Score,
+}
+
+impl JobScores {
+    /// Selects the scores with these gates, on the test people if wanted; none if any are missing.
+    pub(crate) fn complete(
+        self,
+        gates: &[Option<OperatingPoint>],
+        test_people: bool,
+    ) -> Option<Self> {
+        let complete = |mut scores: Vec<FoldScore>| {
+            let has = |gate: &Option<OperatingPoint>| {
+                let mut scores = scores.iter();
+                scores.any(|own| own.gate == *gate)
+            };
+            let all = gates.iter().all(has);
+            scores.retain(|own| gates.contains(&own.gate));
+            all.then_some(scores)
+        };
+        let test = if test_people {
+            Some(complete(self.test?)?)
+        } else {
+            None
+        };
+        Some(Self {
+            development: complete(self.development)?,
+            test,
+        })
     }
 }

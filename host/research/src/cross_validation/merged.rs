@@ -9,9 +9,8 @@ use evaluation::{Group, LookAhead, Measure, Score};
 use presets::OperatingPoint;
 use recordings::statistics::MeanSd;
 
-use super::job_scores::FoldScore;
+use super::job::FoldScore;
 
-/// Seed and fold of a job.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Origin {
     pub(crate) seed: u64,
@@ -23,7 +22,6 @@ pub(crate) type Section<'a> = (Option<&'a str>, Group);
 
 /// Scores of a contender under one aggregation mode and operating point, of every fold and seed.
 pub(crate) struct Merged<'a> {
-    /// Name of the contender.
     pub(crate) model: &'a str,
     pub(crate) look_ahead: LookAhead,
     /// Operating point; none for the contender's own.
@@ -73,7 +71,6 @@ impl<'a> Merged<'a> {
             .map_or_else(String::new, |gate| format!(", {gate}"))
     }
 
-    /// Number of classes of the contender.
     pub(crate) fn classes(&self) -> usize {
         self.scores.first().map_or(0, |(_, score)| score.classes)
     }
@@ -83,12 +80,10 @@ impl<'a> Merged<'a> {
         self.scores.is_empty()
     }
 
-    /// Scores with the origin of their job.
     pub(crate) fn scores(&self) -> impl Iterator<Item = (Origin, &'a Score)> {
         self.scores.iter().copied()
     }
 
-    /// Scores of a group of people.
     fn of_group(&self, group: Group) -> impl Iterator<Item = &'a Score> {
         let scores = self.scores.iter().map(|(_, score)| *score);
         scores.filter(move |score| score.people == group)

@@ -9,14 +9,12 @@ mod contender;
 #[cfg(test)]
 mod fixture;
 mod job;
-mod job_scores;
 mod merged;
 mod tables;
 mod training;
 
 pub(crate) use contender::{Contender, ContenderKind};
-pub(crate) use job::{CrossValidation, Job};
-pub(crate) use job_scores::{FoldScore, JobScores};
+pub(crate) use job::{CrossValidation, FoldScore, Job, JobScores};
 pub(crate) use merged::{Merged, Origin};
 pub(crate) use tables::{
     daily_life, differences, emission, movements, over_sets, people, scores, test_scores,

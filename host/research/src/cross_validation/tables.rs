@@ -17,7 +17,6 @@ const SHARES: [Measure; 4] = [
     Measure::Recognition,
     Measure::Decided,
 ];
-/// Measures given per minute.
 const RATES: [Measure; 4] = [
     Measure::FalseActivations,
     Measure::OtherActivations,
@@ -59,10 +58,8 @@ const COMPARED: [Measure; 12] = [
     Measure::DailyActivations,
 ];
 
-/// Caption of the scores of development people.
 const DEVELOPMENT: &str = "Held-out people: mean over people [95 % interval] of each person's mean over seeds; n: people of a \
     column, where the row has more";
-/// Caption of the scores of test people.
 const TEST: &str = "Test people, for a release alone: mean over people [95 % interval] of each person's mean over the students \
     of all folds and seeds, none of which has seen them";
 

@@ -9,8 +9,8 @@ use training::run::train::train;
 
 use super::contender::ContenderKind;
 use super::job::{CrossValidation, Job};
+use crate::baselines::BaselineSettings;
 use crate::baselines::inference::candidate;
-use crate::baselines::settings::BaselineSettings;
 use crate::baselines::training::train_baseline;
 use crate::job::JobError;
 

@@ -3,9 +3,8 @@
 use evaluation::report::Table;
 use evaluation::{ALL, Difference, Measure};
 
-use super::measurement::{Amount, MEASURES, Measured, Values};
+use super::{Amount, MEASURES, Measured, Values};
 
-/// Columns that name a row.
 const ROW: [&str; 4] = ["recordings", "classes", "seconds", "n"];
 
 /// Values before and after, if a person has them.
@@ -48,7 +47,6 @@ fn curve(people: &[Measured], amounts: &[f64], name: &str, pair: Pair) -> Table 
     table
 }
 
-/// Seconds in tables.
 fn named(seconds: f64) -> String {
     if seconds.is_finite() {
         seconds.to_string()
@@ -94,7 +92,6 @@ pub(crate) fn people(people: &[Measured], amounts: &[f64]) -> Table {
     table
 }
 
-/// Data set of a person; none without one.
 fn data_set(person: &Measured) -> Option<&str> {
     Some(person.subject.split_once('/')?.0)
 }

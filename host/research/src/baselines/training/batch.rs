@@ -22,7 +22,6 @@ pub(super) struct Batch {
 }
 
 impl Batch {
-    /// Computes features and targets.
     pub(super) fn new(
         features: &FeatureExtraction,
         corpus: &WindowedCorpus,
@@ -70,7 +69,6 @@ impl Batch {
     }
 }
 
-/// Extracts the features of windows of a corpus.
 pub(super) fn extract(
     features: &FeatureExtraction,
     corpus: &WindowedCorpus,

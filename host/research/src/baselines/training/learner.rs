@@ -14,13 +14,11 @@ use crate::baselines::windows::{Window, WindowedCorpus};
 use training::optimization::learner::{Learner, WeightedMean, WeightedMetric, shards};
 use training::optimization::read_back;
 
-/// Training problem of a baseline.
 pub(super) struct NetworkLearner<'a, N> {
     pub(super) baseline: Baseline,
     pub(super) features: FeatureExtraction,
     pub(super) training: WindowedCorpus,
     pub(super) validation: WindowedCorpus,
-    /// Number of windows per optimizer step.
     pub(super) batch: usize,
     pub(super) device: &'a Device,
     pub(super) network: PhantomData<fn() -> N>,

@@ -9,11 +9,10 @@ use burn::tensor::Device;
 
 use self::batch::extract;
 use self::learner::NetworkLearner;
-use super::Baseline;
 use super::features::FeatureExtraction;
 use super::networks::{EdTcn, LstmBaseline, Network};
-use super::settings::BaselineSettings;
 use super::windows::WindowedCorpus;
+use super::{Baseline, BaselineSettings};
 use crate::job::JobError;
 use execution::progress;
 use presets::training::LrSchedule;
@@ -21,16 +20,12 @@ use recordings::corpus::Corpus;
 use training::optimization::fit::{TrainConfig, Training, fit};
 use training::run::context::RunContext;
 
-/// Data and settings of a training.
 struct Setup<'a> {
-    /// Training streams.
     training: &'a Corpus,
     /// Streams of the subjects that choose the checkpoint. The reference takes the last epoch instead; here one rule holds
     /// for all models.
     validation: &'a Corpus,
-    /// Training settings.
     settings: &'a BaselineSettings,
-    /// Seed of all random draws.
     seed: u64,
     /// Device with gradients.
     device: &'a Device,

@@ -20,7 +20,6 @@ pub(crate) struct PaddedStream {
 /// Position of a window in a corpus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Window {
-    /// Index of the stream.
     pub(crate) stream: usize,
     /// Number of samples of the stream up to the window's end, without the lead-in.
     pub(crate) end: usize,
@@ -42,7 +41,6 @@ impl PaddedStream {
         &self.raw[LEAD + end - length..LEAD + end]
     }
 
-    /// Targets of the frames of the window that ends at `end`.
     fn targets(&self, end: usize, layout: FrameLayout) -> Vec<Option<Intent>> {
         layout.targets(&self.labels[LEAD + end - layout.window..LEAD + end])
     }
@@ -58,7 +56,6 @@ pub(crate) struct WindowedCorpus {
 }
 
 impl WindowedCorpus {
-    /// Divides the streams of a corpus into windows.
     pub(crate) fn new(corpus: &Corpus, layout: FrameLayout, stride: usize) -> Self {
         let streams: Vec<PaddedStream> = corpus
             .streams

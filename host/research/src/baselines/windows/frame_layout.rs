@@ -24,7 +24,6 @@ pub(crate) struct FrameLayout {
     pub(crate) hop: usize,
     /// Number of frames of a window.
     pub(crate) count: usize,
-    /// Rule for the target label of a frame.
     target: Target,
 }
 

@@ -1,69 +1,31 @@
 //! Tables of a cross-validation, printed and written.
 
-use std::path::{Path, PathBuf};
-
 use evaluation::report::{Table, recognition};
 use evaluation::{CONSTANT, ENERGY, Group, LookAhead};
-use execution::run_folder::write_whole;
 use presets::OperatingPoint;
 
 use crate::cross_validation::{
     Contender, FoldScore, JobScores, Merged, Origin, daily_life, differences, emission, movements,
-    over_sets, people, scores, test_scores,
+    over_sets, scores, test_scores,
 };
 
-/// Tables of a cross-validation, a row for each person, and a picture.
-pub(super) struct Tables {
-    tables: Vec<Table>,
-    people: Table,
-    /// Picture of the gestures recognised by the time since their onset, as SVG.
-    picture: Option<String>,
-}
-
-impl Tables {
-    /// Creates the tables of the development people, then those of the test people, if they were evaluated.
-    pub(super) fn new(development: &[Merged<'_>], test: &[Merged<'_>]) -> Self {
-        let mut tables = vec![
-            scores(development),
-            over_sets(development),
-            emission(development),
-            differences(development),
-            movements(development),
-            daily_life(development),
-        ];
-        tables.extend((!test.is_empty()).then(|| test_scores(test)));
-        Self {
-            tables,
-            people: people(development, test),
-            picture: picture(development),
-        }
-    }
-
-    /// Formats all tables for a terminal.
-    pub(super) fn plain(&self) -> String {
-        let tables: Vec<String> = self.tables.iter().map(Table::plain).collect();
-        tables.join("\n")
-    }
-
-    /// Writes the tables, a row for each person, seed, fold, preset and mode, and the picture. Returns the paths.
-    pub(super) fn write(&self, folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
-        let [page, rows] = ["tables.md", "people.csv"].map(|name| folder.join(name));
-        let tables: Vec<String> = self.tables.iter().map(Table::markdown).collect();
-        write_whole(&page, tables.join("\n").as_bytes())?;
-        write_whole(&rows, &self.people.csv()?)?;
-        let mut paths = vec![page, rows];
-        if let Some(picture) = &self.picture {
-            let path = folder.join("recognition.svg");
-            write_whole(&path, picture.as_bytes())?;
-            paths.push(path);
-        }
-        Ok(paths)
-    }
+/// Tables of the development people, then those of the test people, if they were evaluated.
+pub(super) fn tables(development: &[Merged<'_>], test: &[Merged<'_>]) -> Vec<Table> {
+    let mut tables = vec![
+        scores(development),
+        over_sets(development),
+        emission(development),
+        differences(development),
+        movements(development),
+        daily_life(development),
+    ];
+    tables.extend((!test.is_empty()).then(|| test_scores(test)));
+    tables
 }
 
 /// Picture of the gestures recognised by the time since their onset, of people who have all classes: by the energy detector,
 /// and by labels that use all rows of the look-ahead or none.
-fn picture(merged: &[Merged<'_>]) -> Option<String> {
+pub(super) fn picture(merged: &[Merged<'_>]) -> Option<String> {
     let curve = |own: &Merged<'_>| {
         let section = (None, Group::AllClasses);
         recognition::curve(own.short_name(), |ms| own.recognised_within(ms, section))

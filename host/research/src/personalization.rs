@@ -1,5 +1,9 @@
-//! Measurement of one person: the shipped model, and models tuned and calibrated on the first seconds of one half of the recordings,
-//! all on the other half.
+//! Gain of tuning a model on a person's own recordings, by their duration, for people whom the model has never seen.
+//!
+//! A person is measured with the shipped model, and with models tuned and calibrated on the first seconds of one half of the
+//! recordings, all on the other half.
+
+mod tables;
 
 use burn::tensor::Device;
 use serde::{Deserialize, Serialize};
@@ -16,6 +20,7 @@ use training::run::personalize::{
     PersonPart, PersonRecordings, PersonalizeError, TuningSettings, judge, tune,
 };
 
+pub(crate) use self::tables::{curves, people};
 use crate::job::JobError;
 
 /// Measures that are kept, in this order.
@@ -30,7 +35,6 @@ pub(crate) const MEASURES: [Measure; 5] = [
 /// Values of [`MEASURES`]; none where the recordings lack what is counted.
 pub(crate) type Values = [Option<f64>; MEASURES.len()];
 
-/// Settings of the measurement.
 pub(crate) struct Measurement<'a> {
     /// Folder with a file for each person.
     pub(crate) folder: &'a RunFolder,
@@ -41,10 +45,8 @@ pub(crate) struct Measurement<'a> {
     pub(crate) interrupt: &'a Interrupt,
 }
 
-/// Results of a person.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Measured {
-    /// Name of the person.
     pub(crate) subject: String,
     /// Group of the person, by the classes in the part that all models are judged on, as in tables: `all 3`, `fewer`.
     pub(crate) group: String,
