@@ -128,6 +128,16 @@ fn every_board_starts_on_pins_of_its_own() -> anyhow::Result<()> {
         drop(chip);
         let uart = UART_PINS.map(|register| board.machine.chip().read(register, 4));
         assert_eq!(uart, pins.uart, "{built}");
+        // An alignment waits for openings: its LED blinks.
+        board.run_ms(100)?;
+        board.set_button(true);
+        board.run_ms(200)?;
+        board.set_button(false);
+        board.run_ms(1000)?;
+        let lit = (alignment, Some(pins.led_on));
+        let is_lit = |(_, pin, level): &(u64, u32, Option<bool>)| (*pin, *level) == lit;
+        let blinks = board.machine.chip().changes.iter().any(is_lit);
+        assert!(blinks, "{built}:\n{}", board.text());
         board.set_button(true);
         board.wait_for("# pairing", 4000)?;
         let is_power = |why: &Reset| *why == Reset::Power;

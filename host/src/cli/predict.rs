@@ -116,7 +116,7 @@ fn of_samples(labels: &SmoothedLabels, rows: &[LookBackLogits], classes: usize) 
     Matrix { columns, values }
 }
 
-/// Whether a file is written as a binary array (f32, without column names) in place of CSV, by its ending.
+/// Returns true if a file is written as a binary array (f32, without column names) in place of CSV, by its ending.
 fn is_array(path: &Path) -> anyhow::Result<bool> {
     match ending(path).as_deref() {
         Some("npy") => Ok(true),
