@@ -90,6 +90,18 @@ fn two_openings_align_and_later_labels_are_those_of_an_armband_in_place() {
 }
 
 #[test]
+fn who_opens_no_hand_is_told_after_30_seconds_and_nothing_changes() {
+    let mut pipeline = real();
+    pipeline.begin_alignment(Arm::Unknown);
+    let rest = stream_of([4; CHANNELS], Alignment::NONE, 6200);
+    let (_, news) = run(&mut pipeline, &rest, 0..6200);
+    let states: Vec<_> = news.iter().map(|news| news.state).collect();
+    assert_eq!(states, [AlignmentState::Waiting, AlignmentState::Timeout]);
+    assert_eq!(pipeline.alignment(), Alignment::NONE);
+    assert!(pipeline.status().valid());
+}
+
+#[test]
 fn a_gap_keeps_the_alignment_and_a_disconnection_drops_it() {
     let worn = Alignment::new(2, true);
     let mut pipeline = real();

@@ -104,6 +104,15 @@ const ROUND: u32 = 3200;
 const GESTURE: Shown = Shown::Intent(Intent::Open);
 
 #[test]
+fn who_does_nothing_is_told_and_labels_go_on() {
+    let mut wearer = Wearer::new(3);
+    wearer.moves(ROUND, |_| Shown::Intent(Intent::Relax));
+    assert_eq!(wearer.last(), "weak");
+    assert!(wearer.pipeline.status().valid());
+    assert!(wearer.pipeline.take_learnt().is_none());
+}
+
+#[test]
 fn who_follows_the_cues_gets_a_head_and_no_label_meanwhile() {
     let mut wearer = Wearer::new(3);
     assert_eq!(wearer.moves(2 * ROUND + 80, |cue| cue), []);
