@@ -31,7 +31,9 @@ fn quickstart_leaves_a_model_a_table_and_a_page() {
     let results: serde_json::Value =
         serde_json::from_slice(&fs::read(run.join("results.json")).unwrap()).unwrap();
     let published = results["published"].as_array().unwrap().iter();
-    let models = published.map(|line| line["model"].as_str().unwrap());
+    let models = published
+        .clone()
+        .map(|line| line["model"].as_str().unwrap());
     let models: BTreeSet<_> = models.collect();
     assert_eq!(
         models.into_iter().collect::<Vec<_>>(),
@@ -43,6 +45,16 @@ fn quickstart_leaves_a_model_a_table_and_a_page() {
             "teacher"
         ]
     );
+    // A constant has a recall of 1 for one class of the three, and recognises no gesture.
+    let is_constant = |line: &&serde_json::Value| line["model"] == "constant relax";
+    let constant = published.clone().find(is_constant).unwrap();
+    let subject = &constant["reference"][2]["subjects"][0];
+    assert!((subject["balanced_accuracy"].as_f64().unwrap() - 1.0 / 3.0).abs() < 1e-9);
+    let events = &constant["events"]["subjects"][0];
+    assert!(events["gestures"].as_u64().unwrap() > 0);
+    assert_eq!(events["recognised"], 0);
+    assert_eq!(events["latency"]["median"], "missed");
+    assert_eq!(events["rest"]["count"], 0);
     let page = fs::read_to_string(run.join("report.html")).unwrap();
     assert!(page.contains("</svg>") && page.contains("integer student"));
     assert!(page.contains("balanced") && page.contains("energy detector"));

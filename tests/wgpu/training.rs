@@ -245,7 +245,6 @@ fn compare(cpu: &Trained, gpu: &Trained) {
 /// The CPU's device and the GPU's; none, with the test booked as skipped, without an adapter.
 fn devices() -> Option<[Device; 2]> {
     let cpu = Device::flex().autodiff();
-    cpu.seed(SEED);
     Some([cpu, gpu()?])
 }
 
@@ -266,7 +265,7 @@ fn train_teacher(preset: &Preset) {
     };
     let corpus = corpus();
     let (shape, settings) = (preset.teacher.window_shape(), &preset.teacher_training);
-    let model = Teacher::new(1, &preset.teacher, 3, &cpu);
+    let model = Teacher::new(SEED, &preset.teacher, 3, &cpu);
     train_on_both([&cpu, &gpu], model, |device| {
         TeacherLearner::new(shape, &corpus, &corpus, settings, SEED, device)
     });
@@ -313,7 +312,7 @@ fn a_student_is_distilled_as_on_the_cpu() {
         })
         .collect();
     let (span, settings) = (preset.student.span, &preset.distillation);
-    let model = Student::new(1, &preset.student, 3, false, &cpu);
+    let model = Student::new(SEED, &preset.student, 3, false, &cpu);
     train_on_both([&cpu, &gpu], model, |device| {
         let teaching = Teaching::Teacher(soft_targets.clone());
         StudentLearner::new(

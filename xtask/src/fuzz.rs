@@ -67,10 +67,18 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         println!("{name:<16} {outcome}");
         Ok(outcome.finding.map(|finding| format!("{name}: {finding}")))
     });
-    let findings: Vec<Option<String>> = fuzzed.collect::<Result<_>>()?;
-    let findings: Vec<String> = findings.into_iter().flatten().collect();
+    // Each is run to its end, whatever becomes of another.
+    let outcomes: Vec<Result<Option<String>>> = fuzzed.collect();
+    let findings: Vec<&str> = outcomes
+        .iter()
+        .flatten()
+        .flatten()
+        .map(String::as_str)
+        .collect();
     ensure!(findings.is_empty(), "{}", findings.join("\n"));
-    Ok(())
+    outcomes
+        .into_iter()
+        .try_for_each(|outcome| outcome.map(drop))
 }
 
 struct FuzzOutcome {

@@ -280,7 +280,7 @@ mod tests {
     }
 
     #[test]
-    fn a_model_longer_than_its_region_is_refused() {
+    fn what_is_no_image_is_refused() {
         assert!(FlashPart::model(&[0; 4], b"no image").is_err());
         assert!(FlashPart::program(b"\x7fELF and then nothing").is_err());
     }

@@ -181,6 +181,7 @@ mod tests {
         assert_eq!(FileKind::of(row.as_bytes()), FileKind::Table);
         assert_eq!(FileKind::of(b"XDF:\x01\x04"), FileKind::Xdf);
         assert!(FileKind::Edf.to_string().contains("`pyedflib`"));
+        assert!(FileKind::Html.to_string().contains("raw file"));
     }
 
     #[test]

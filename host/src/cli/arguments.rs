@@ -42,7 +42,7 @@ pub(in crate::cli) struct OwnModel {
 
 impl OwnModel {
     pub(in crate::cli) fn read(&self) -> anyhow::Result<(Vec<u8>, Library)> {
-        refuse_existing([&self.out])?;
+        refuse_existing(&self.out)?;
         let bytes = read_model(&self.model)?;
         let library = recordings_of(&[&self.data], self.strict, self.as_recorded)?;
         Ok((bytes, library))

@@ -60,7 +60,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut out = std::io::stdout();
     if let Some(path) = &arguments.out {
         let content = content.context("give firmware, --model or both")?;
-        refuse_existing([path])?;
+        refuse_existing(path)?;
         write_whole(path, &content.file())?;
         writeln!(out, "{}", path.display())?;
         return Ok(());

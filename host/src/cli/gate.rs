@@ -47,7 +47,7 @@ pub(super) fn reaction(name: &str) -> Result<Reaction, String> {
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let path = &arguments.model;
-    refuse_existing(&arguments.out)?;
+    arguments.out.as_deref().map_or(Ok(()), refuse_existing)?;
     let bytes = read_model(path)?;
     let (entry, other) = (arguments.entry, arguments.other);
     let file = Model::with_gate(&bytes, entry, other, arguments.reaction)

@@ -38,17 +38,13 @@ impl Width {
 /// First bytes of a page.
 pub(super) const PAGE: &[u8] = b"<!DOCTYPE html>";
 
-/// Refuses the names of files that are not replaced, if one is taken.
-pub(super) fn refuse_existing<'p>(
-    paths: impl IntoIterator<Item = &'p PathBuf>,
-) -> anyhow::Result<()> {
-    for path in paths {
-        ensure!(
-            path.symlink_metadata().is_err(),
-            "{} exists already: give another name with --out, or remove it",
-            path.display()
-        );
-    }
+/// Refuses the name of a file that is not replaced, if it is taken.
+pub(super) fn refuse_existing(path: &Path) -> anyhow::Result<()> {
+    ensure!(
+        path.symlink_metadata().is_err(),
+        "{} exists already: give another name with --out, or remove it",
+        path.display()
+    );
     Ok(())
 }
 
@@ -113,12 +109,17 @@ mod tests {
         refuse_unlike(&path, start).unwrap();
         std::fs::write(&path, "label,logit_relax\n2,3\n").unwrap();
         refuse_unlike(&path, start).unwrap();
+        let assert_is_other = |path: &Path| {
+            let error = refuse_unlike(path, start).unwrap_err().to_string();
+            assert!(error.contains("no earlier output"), "{error}");
+        };
         for other in ["", "label", "gt,emg_0\n0,1\n"] {
             std::fs::write(&path, other).unwrap();
-            assert!(refuse_unlike(&path, start).is_err(), "{other}");
+            assert_is_other(&path);
         }
-        assert!(refuse_unlike(folder.path(), start).is_err());
-        assert!(refuse_existing([&path]).is_err());
-        assert!(refuse_existing([&folder.path().join("new")]).is_ok());
+        // Neither a file, which a pipe is not either.
+        assert_is_other(folder.path());
+        assert!(refuse_existing(&path).is_err());
+        assert!(refuse_existing(&folder.path().join("new")).is_ok());
     }
 }

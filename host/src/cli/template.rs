@@ -47,7 +47,7 @@ pub struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let path = &arguments.model;
-    refuse_existing(&arguments.out)?;
+    arguments.out.as_deref().map_or(Ok(()), refuse_existing)?;
     let bytes = read_model(path)?;
     let library = recordings_of(&[&arguments.data], arguments.strict, arguments.as_recorded)?;
     let (file, people) = model_with_template(&bytes, &library)?;

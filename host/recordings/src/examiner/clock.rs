@@ -8,7 +8,7 @@ mod rising;
 use shared::units::SAMPLE_RATE_HZ;
 
 pub(crate) use instant::seconds_of;
-use rising::{period, unwrapped};
+use rising::{period, rises_often, unwrapped};
 pub(crate) use rising::{rises, rises_evenly};
 
 /// Names of columns that say when a row was sampled; a unit may follow.
@@ -40,6 +40,8 @@ const GAP: f64 = 0.05;
 /// Rows of a column without a known name, and the share of later ones, that may go back until it is no clock for certain:
 /// more than those of the shortest counter.
 const MAY_GO_BACK: (usize, f64) = (16, 0.15);
+/// Rows of a column without a known name after which it is no clock if it has risen too seldom.
+const MAY_STAND_STILL: usize = 10 * SAMPLE_RATE_HZ as usize;
 
 /// Column of times of a recording, one value per row.
 #[derive(Clone, PartialEq, Debug)]
@@ -101,16 +103,22 @@ fn kind(name: &str) -> Option<ClockKind> {
 
 impl Clock {
     /// Clock of a column of this name, by its values, NaN for a text that is no time: with one, the clock gives no rate.
-    /// None if so many rows go back that it is no clock for certain, unless its name or a description calls it so.
+    /// None if so many rows go back or stand still that it is no clock for certain, unless its name or a description calls it
+    /// so: a table may have hundreds of columns.
     pub fn of(name: String, is_described: bool, values: impl Iterator<Item = f64>) -> Option<Self> {
         let is_meant = is_described || kind(&name).is_some();
         let (first, share) = MAY_GO_BACK;
-        let (mut times, mut back): (Vec<f64>, usize) = (Vec::new(), 0);
+        let mut times: Vec<f64> = Vec::new();
+        let (mut back, mut up) = (0, 0);
         for time in values {
-            let before = times.last();
-            back += usize::from(before.is_some_and(|before| time.is_nan() || time < *before));
+            if let Some(&before) = times.last() {
+                back += usize::from(time.is_nan() || time < before);
+                up += usize::from(time > before);
+            }
             times.push(time);
-            if !is_meant && back as f64 > first as f64 + share * times.len() as f64 {
+            let goes_back = back as f64 > first as f64 + share * times.len() as f64;
+            let stands_still = times.len() > MAY_STAND_STILL && !rises_often(up, times.len() - 1);
+            if !is_meant && (goes_back || stands_still) {
                 return None;
             }
         }
@@ -214,5 +222,20 @@ mod tests {
         let clock = Clock::of("time".to_owned(), false, times).unwrap();
         let gaps = Vec::new();
         assert_eq!(clock.timebase(), Some(Timebase { hz: 200.0, gaps }));
+    }
+
+    #[test]
+    fn a_column_that_stands_still_is_given_up_after_some_rows() {
+        let looked_at = |name: &str| {
+            let mut rows = 0;
+            let values = (0..MANY).map(|_| {
+                rows += 1;
+                0.0
+            });
+            let clock = Clock::of(name.to_owned(), false, values);
+            (clock.is_some(), rows)
+        };
+        assert_eq!(looked_at("x"), (false, MAY_STAND_STILL + 1));
+        assert_eq!(looked_at("time"), (true, MANY));
     }
 }

@@ -181,7 +181,7 @@ pub(super) mod tests {
 
     #[test]
     fn without_contrast_or_with_onsets_of_the_muscle_there_is_no_estimate() {
-        let [mut quiet, mut onsets] = [(); 2].map(|()| recording(20));
+        let (mut quiet, mut onsets) = (recording(20), recording(20));
         quiet.samples.fill([3; CHANNELS]);
         onsets.timing = Timing::Muscle;
         for recordings in [&[&quiet][..], &[&onsets], &[]] {

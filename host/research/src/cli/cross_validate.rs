@@ -21,7 +21,7 @@ use training::backend::BackendArguments;
 
 use self::contenders::{contenders, presets};
 use self::output::{merged, picture, tables};
-use super::{print, write};
+use super::{print_tables, write_tables};
 use crate::baselines::Baseline;
 use crate::cross_validation::{Contender, ContenderKind, CrossValidation, Job, Origin, people};
 
@@ -166,7 +166,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         merged(|own| own.test.as_ref()),
     );
     let tables = tables(&development, &test);
-    print(&tables, &mut out)?;
+    print_tables(&tables, &mut out)?;
     if left > 0 {
         progress::log(&format!(
             "these are {counted} of {} folds, not everybody: nothing was written; give the same command without --fold and --only",
@@ -175,7 +175,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         return Ok(());
     }
     let people = people(&development, &test);
-    for path in write(&arguments.out, &tables, &people)? {
+    for path in write_tables(&arguments.out, &tables, &people)? {
         writeln!(out, "{}", path.display())?;
     }
     if let Some(picture) = picture(&development) {

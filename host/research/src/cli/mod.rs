@@ -58,14 +58,14 @@ impl Cli {
 }
 
 /// Prints tables, an empty line after each.
-fn print(tables: &[Table], out: &mut impl Write) -> io::Result<()> {
+fn print_tables(tables: &[Table], out: &mut impl Write) -> io::Result<()> {
     tables
         .iter()
         .try_for_each(|table| writeln!(out, "{}", table.plain()))
 }
 
 /// Writes tables and rows of people into a folder; returns the paths.
-fn write(folder: &Path, tables: &[Table], people: &Table) -> anyhow::Result<[PathBuf; 2]> {
+fn write_tables(folder: &Path, tables: &[Table], people: &Table) -> anyhow::Result<[PathBuf; 2]> {
     let [page, rows] = ["tables.md", "people.csv"].map(|name| folder.join(name));
     let tables: Vec<String> = tables.iter().map(Table::markdown).collect();
     write_whole(&page, tables.join("\n").as_bytes())?;

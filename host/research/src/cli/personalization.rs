@@ -14,7 +14,7 @@ use shared::model::file::Model;
 use training::backend::BackendArguments;
 use training::run::quantize::MODEL;
 
-use super::{print, write};
+use super::{print_tables, write_tables};
 use crate::personalization::{Measured, Measurement, curves, people};
 
 #[derive(Debug, Args)]
@@ -79,9 +79,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     measured.sort_by(|a, b| a.subject.cmp(&b.subject));
     let tables = curves(&measured, &arguments.amounts);
     let mut out = std::io::stdout().lock();
-    print(&tables, &mut out)?;
+    print_tables(&tables, &mut out)?;
     let people = people(&measured, &arguments.amounts);
-    let [_, rows] = write(folder.path(), &tables, &people)?;
+    let [_, rows] = write_tables(folder.path(), &tables, &people)?;
     writeln!(out, "{}", rows.display())?;
     Ok(())
 }

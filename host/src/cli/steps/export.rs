@@ -45,7 +45,7 @@ pub struct Arguments {
 
 /// Writes the teacher as safetensors, or the student as ONNX.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    refuse_existing(&arguments.out)?;
+    arguments.out.as_deref().map_or(Ok(()), refuse_existing)?;
     let out = match (&arguments.model, &arguments.out) {
         (Some(path), Some(out)) => {
             let bytes = read_model(path)?;

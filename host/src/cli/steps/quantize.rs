@@ -25,7 +25,7 @@ pub struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    refuse_existing(&arguments.out)?;
+    arguments.out.as_deref().map_or(Ok(()), refuse_existing)?;
     let context = open_run(&arguments.run, arguments.backend)?;
     let out = arguments
         .out

@@ -60,13 +60,14 @@ impl ModuleMapper for Replace<'_> {
 
 #[cfg(test)]
 mod tests {
-    use burn::nn::{Linear, LinearConfig};
+    use burn::nn::{Initializer, Linear, LinearConfig};
     use burn::tensor::Device;
 
     use super::*;
 
     fn model(value: f32) -> Linear {
-        let fresh = LinearConfig::new(2, 3).init(&Device::default());
+        let zeros = LinearConfig::new(2, 3).with_initializer(Initializer::Zeros);
+        let fresh = zeros.init(&Device::default());
         let constant = Ema {
             decay: 0.0,
             steps: 0,

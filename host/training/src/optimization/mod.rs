@@ -17,6 +17,8 @@ pub(crate) mod tune;
 use std::sync::{Mutex, PoisonError};
 
 use burn::module::Module;
+#[cfg(test)]
+use burn::nn::Initializer;
 use burn::tensor::{Device, Tensor};
 
 use crate::weights::values;
@@ -24,7 +26,7 @@ use crate::weights::values;
 /// Creates a model and draws its initial weights from a seed.
 ///
 /// Burn has one generator for a device, which all threads share, and draws a weight when it is first read. Here all weights are
-/// drawn at once and by one thread at a time: trainings in parallel repeat theirs.
+/// drawn at once and by one thread at a time: trainings in parallel repeat theirs. A call within `create` waits for ever.
 pub fn initial<M: Module>(seed: u64, device: &Device, create: impl FnOnce() -> M) -> M {
     static GENERATOR: Mutex<()> = Mutex::new(());
     let _alone = GENERATOR.lock().unwrap_or_else(PoisonError::into_inner);
@@ -32,6 +34,14 @@ pub fn initial<M: Module>(seed: u64, device: &Device, create: impl FnOnce() -> M
     let model = create();
     values(&model);
     model
+}
+
+/// Draws a tensor, normally distributed, for a test.
+#[cfg(test)]
+pub(crate) fn random<const D: usize>(seed: u64, dims: [usize; D], device: &Device) -> Tensor<D> {
+    let (mean, std) = (0.0, 1.0);
+    let drawn = || Initializer::Normal { mean, std }.init(dims, device);
+    initial(seed, device, drawn).val().detach()
 }
 
 /// Reads the values of a tensor in row-major order.

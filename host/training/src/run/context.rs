@@ -121,11 +121,14 @@ impl RunContext {
     }
 }
 
+/// Seed of weights of which all are replaced.
+const REPLACED: u64 = 0;
+
 /// Float model of a run: its logits at every patch of a stream.
 pub type FloatModel = Box<dyn Fn(&[CleanSample]) -> Vec<LookBackLogits> + Send + Sync>;
 
 /// Loads the trained teacher or a student of a run folder by the name of its files, on a device without gradients.
-pub fn load_logits(
+fn load_logits(
     folder: &RunFolder,
     config: &ResolvedConfig,
     name: &str,
@@ -150,7 +153,7 @@ pub fn load_teacher(
 ) -> Result<Teacher, RunError> {
     let preset = &config.preset;
     let (name, made_from) = (presets::teacher::NAME, config.teacher_lineage());
-    let teacher = Teacher::new(preset.seed, &preset.teacher, preset.classes, device);
+    let teacher = Teacher::new(REPLACED, &preset.teacher, preset.classes, device);
     Ok(load_model(folder, name, made_from, teacher)?.valid())
 }
 
@@ -163,7 +166,7 @@ pub fn load_student(
 ) -> Result<Student, RunError> {
     let preset = &config.preset;
     let made_from = config.student_lineage(name, folder)?;
-    let (seed, other) = (preset.seed, preset.other());
-    let student = Student::new(seed, &preset.student, preset.classes, other, device);
+    let other = preset.other();
+    let student = Student::new(REPLACED, &preset.student, preset.classes, other, device);
     Ok(load_model(folder, name, made_from, student)?.valid())
 }

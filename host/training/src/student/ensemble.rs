@@ -39,10 +39,10 @@ impl Ensemble {
 #[cfg(test)]
 mod tests {
     use burn::module::Module as _;
-    use burn::tensor::{Device, Distribution};
+    use burn::tensor::Device;
 
     use super::*;
-    use crate::optimization::read_back;
+    use crate::optimization::{random, read_back};
     use presets::Preset;
 
     #[test]
@@ -52,7 +52,7 @@ mod tests {
         let members: Vec<Student> = (0..3)
             .map(|seed| Student::new(seed, &config, 3, true, &device).valid())
             .collect();
-        let emg = Tensor::<3>::random([2, 40, 80], Distribution::Uniform(0.0, 1.0), &device);
+        let emg = random(7, [2, 40, 80], &device);
         let each: Vec<Vec<f32>> = members
             .iter()
             .map(|member| read_back(softmax(member.forward(emg.clone().inner()), 3)))

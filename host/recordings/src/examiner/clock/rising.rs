@@ -25,7 +25,12 @@ pub(crate) fn rises(values: &[f64]) -> bool {
     };
     let (up, level) = (count(|step| step > 0.0), count(|step| step == 0.0));
     let back = steps - up - level;
-    back as f64 <= BACK * steps as f64 && up * HELD > steps
+    back as f64 <= BACK * steps as f64 && rises_often(up, steps)
+}
+
+/// Whether so many steps of a column of times go up.
+pub(super) fn rises_often(up: usize, steps: usize) -> bool {
+    up * HELD > steps
 }
 
 /// Whether values rise by the same from row to row, or over blocks of rows.

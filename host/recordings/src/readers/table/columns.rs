@@ -88,7 +88,8 @@ impl Columns {
     /// The texts of one column, of a text whose rows are known to be whole. They are read anew each time: those of all
     /// columns may take many times the text's own memory.
     pub(crate) fn texts<'t>(&self, text: &'t str, at: usize) -> impl Iterator<Item = &'t str> {
-        self.rows(text).flatten().map(move |(_, fields)| fields[at])
+        let rows = self.rows(text).map_while(Result::ok);
+        rows.map(move |(_, fields)| fields[at])
     }
 
     /// The columns of a text.

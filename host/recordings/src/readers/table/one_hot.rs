@@ -23,13 +23,22 @@ pub(crate) fn find(text: &str, columns: &Columns) -> Option<Found> {
     if columns.label.is_some() || columns.names.is_empty() {
         return None;
     }
-    let mut found: Vec<(&str, Vec<bool>)> = Vec::new();
-    for at in columns.others() {
-        // A column with anything but 0 and 1, or without a 1, has no label.
-        let values: Option<Vec<bool>> = columns.texts(text, at).map(value).collect();
-        let values = values.filter(|values| values.contains(&true));
-        found.extend(values.map(|values| (columns.names[at].trim(), values)));
+    // A column with anything but 0 and 1, or without a 1, has no label.
+    let others = columns.others().map(|at| (at, Some(Vec::new())));
+    let mut others: Vec<(usize, Option<Vec<bool>>)> = others.collect();
+    for (_, fields) in columns.rows(text).map_while(Result::ok) {
+        for (at, values) in &mut others {
+            match (&mut *values, value(fields[*at])) {
+                (Some(values), Some(value)) => values.push(value),
+                _ => *values = None,
+            }
+        }
     }
+    let with_one = |(at, values): (usize, Option<Vec<bool>>)| {
+        let values = values.filter(|values| values.contains(&true))?;
+        Some((columns.names[at].trim(), values))
+    };
+    let found: Vec<(&str, Vec<bool>)> = others.into_iter().filter_map(with_one).collect();
     let rows = found.first().map_or(0, |(_, values)| values.len());
     let count = |row: usize| found.iter().filter(|(_, values)| values[row]).count();
     let single = (0..rows).filter(|&row| count(row) == 1).count();

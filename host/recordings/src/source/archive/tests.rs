@@ -127,7 +127,7 @@ fn what_is_too_large_twice_there_cut_or_no_archive_is_refused() {
     let numbers = (0..20_000_u32).flat_map(|at| (at * at).to_le_bytes());
     let content: Vec<u8> = numbers.collect();
     let whole = [gz(&tar(&[("a", &content)])), zip(&[("a", &content)])];
-    let [mut few, mut one] = [(); 2].map(|()| bounds());
+    let (mut few, mut one) = (bounds(), bounds());
     (few.bytes, one.entries) = (1000, 1);
     let two: [(&str, &[u8]); 2] = [("a", b"1"), ("./a", b"2")];
     for (bytes, bounds, words) in [

@@ -1,17 +1,13 @@
-use burn::tensor::{Device, Distribution, Tensor};
+use burn::tensor::{Device, Tensor};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use super::{attend, in_groups};
 use crate::optimization::dropout::{Dropout, Mask};
-use crate::optimization::read_back;
+use crate::optimization::{random, read_back};
 
 const HEADS: usize = 2;
 const D: usize = 12;
-
-fn random(dims: [usize; 3], device: &Device) -> Tensor<3> {
-    Tensor::random(dims, Distribution::Normal(0.0, 1.5), device)
-}
 
 fn mask() -> Mask {
     let mut dropout = Dropout::from(ChaCha8Rng::seed_from_u64(5));
@@ -34,8 +30,8 @@ fn assert_close(found: Tensor<3>, expected: Tensor<3>, what: &str) {
 fn groups_agree(blocked: Option<&[f32]>, mask: Option<Mask>) {
     let device = Device::default().autodiff();
     let (batch, tokens) = (3, 22);
-    let values = random([batch, tokens, 3 * D], &device);
-    let weights = random([batch, tokens, D], &device);
+    let values = random(1, [batch, tokens, 3 * D], &device) * 1.5;
+    let weights = random(2, [batch, tokens, D], &device);
     let blocked = blocked.map(|flags| Tensor::<1>::from_floats(flags, &device));
     let run = |windows: usize| {
         let qkv = values.clone().detach().require_grad();
@@ -60,7 +56,7 @@ fn groups_give_the_same_as_the_whole() {
 #[test]
 fn the_second_half_of_a_blocked_window_is_ignored() {
     let device = Device::default();
-    let values = random([1, 22, 3 * D], &device);
+    let values = random(1, [1, 22, 3 * D], &device) * 1.5;
     let blocked = Tensor::<1>::from_floats([1.0], &device);
     let found = attend(values.clone(), HEADS, Some(&blocked), None);
     let half = attend(values.slice_dim(1, 0..11), HEADS, None, None);
