@@ -104,6 +104,7 @@ impl Description {
         let at = |time| position(time, &columns.names, columns.count, columns.first_line);
         let time = self.time.as_ref().map(at).transpose()?;
         let (mut samples, mut lines) = (Samples::default(), Vec::new());
+        let mut words = columns.label.map(|_| Words::default());
         for row in columns.rows(text) {
             let (line, fields) = row?;
             let at_line = |fault| Damage::at_line(line, fault);
@@ -113,11 +114,11 @@ impl Description {
                 *count = table::number(at + 1, &text).map_err(at_line)? * self.scale;
             }
             samples.push(&counts, columns.channels[0] + 1, at_line);
+            if let (Some(words), Some(label)) = (&mut words, columns.label) {
+                words.push(fields[label]);
+            }
             lines.push(line);
         }
-        let words = columns
-            .label
-            .map(|label| columns.texts(text, label).collect());
         Ok(Rows {
             auxiliary: Auxiliary::of_table(text, columns, time),
             ..Rows::of(samples.finish()?, words, At::Lines(lines))

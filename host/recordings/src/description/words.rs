@@ -137,7 +137,7 @@ impl Words {
     }
 
     /// Adds the word of the next sample.
-    fn push(&mut self, word: &str) {
+    pub fn push(&mut self, word: &str) {
         let row = self.at.len();
         // Labels change seldom: the last one first.
         let last = self.at.last().copied();

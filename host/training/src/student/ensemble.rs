@@ -52,7 +52,7 @@ mod tests {
         let members: Vec<Student> = (0..3)
             .map(|seed| Student::new(seed, &config, 3, true, &device).valid())
             .collect();
-        let emg = random(7, [2, 40, 80], &device);
+        let emg = random(7, [2, 40, 80], &device).abs();
         let each: Vec<Vec<f32>> = members
             .iter()
             .map(|member| read_back(softmax(member.forward(emg.clone().inner()), 3)))

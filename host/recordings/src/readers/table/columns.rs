@@ -73,8 +73,7 @@ impl Columns {
         &self,
         text: &'t str,
     ) -> impl Iterator<Item = Result<(usize, Vec<&'t str>), Damage>> {
-        let rows = table::rows(text).skip_while(|(line, _)| *line < self.first_line);
-        rows.map(|(line, row)| {
+        self.lines(text).map(|(line, row)| {
             let fields = self.separator.fields(row);
             let (expected, found) = (self.count, fields.len());
             if found == expected {
@@ -88,8 +87,13 @@ impl Columns {
     /// The texts of one column, of a text whose rows are known to be whole. They are read anew each time: those of all
     /// columns may take many times the text's own memory.
     pub(crate) fn texts<'t>(&self, text: &'t str, at: usize) -> impl Iterator<Item = &'t str> {
-        let rows = self.rows(text).map_while(Result::ok);
-        rows.map(move |(_, fields)| fields[at])
+        let field = move |(_, row)| self.separator.each(row).nth(at).unwrap_or_default();
+        self.lines(text).map(field)
+    }
+
+    /// The rows of a text below its header, each with its line.
+    fn lines<'t>(&self, text: &'t str) -> impl Iterator<Item = (usize, &'t str)> {
+        table::rows(text).skip_while(|(line, _)| *line < self.first_line)
     }
 
     /// The columns of a text.
