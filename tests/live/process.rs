@@ -262,11 +262,15 @@ impl Bench {
         self.folder.path().join("out")
     }
 
-    fn journals(&self) -> usize {
+    /// Length of each journal.
+    fn journals(&self) -> Vec<u64> {
         let files = std::fs::read_dir(self.out().join("anna")).unwrap();
         let paths = files.flatten().map(|file| file.path());
         let is_journal = |path: &PathBuf| path.extension().is_some_and(|own| own == "journal");
-        paths.filter(is_journal).count()
+        let journals = paths.filter(is_journal);
+        journals
+            .map(|path| path.metadata().unwrap().len())
+            .collect()
     }
 
     /// Starts `myointent record` after the shell commands `shell`, and begins the session as a viewer once samples come.
@@ -296,19 +300,29 @@ fn a_process_that_is_killed_in_a_session_loses_a_moment_and_the_next_start_keeps
     let (mut child, mut viewer) = bench.start("");
     reach(&mut viewer, |message| message["cue"] == "close");
     let seen = viewer.find("samples", |_| true)["first"].as_u64().unwrap() as usize;
+    // What the recorder has is written every 0.2 s of the process (docs/record.md): the second time, all that was seen.
+    for _ in 0..2 {
+        let before = bench.journals();
+        let begun = Instant::now();
+        while bench.journals() == before {
+            assert!(
+                begun.elapsed() < Duration::from_secs(60),
+                "nothing more is written"
+            );
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
     // SIGKILL: the process can do nothing more.
     child.kill().unwrap();
     child.wait().unwrap();
-    assert_eq!(bench.journals(), 1);
+    assert_eq!(bench.journals().len(), 1);
     let kept = myointent::record::recover(&bench.out().join("anna")).unwrap();
     assert!(matches!(&kept[..], [(_, Ok(_))]), "{kept:?}");
-    assert_eq!(bench.journals(), 0);
+    assert!(bench.journals().is_empty());
     let files = recorded(&bench.out());
     assert_equal(&files, &bench.samples);
-    // The loss at 16 times an armband's speed: 0.2 s of the process (docs/record.md), a line of 20 samples and what the
-    // recorder had not yet been handed.
     let last = *files.last().unwrap().keys().last().unwrap();
-    assert!(last + 16 * 40 > seen, "{last} of {seen}");
+    assert!(last >= seen, "{last} of {seen}");
 }
 
 #[cfg(target_os = "linux")]
@@ -359,7 +373,7 @@ fn ctrl_c_on_a_full_disk_fails_and_the_terminal_says_what_is_not_kept_and_where_
     let (code, told) = ended(child);
     assert_eq!(code, Some(1), "{told}");
     assert!(told.contains(".journal"), "{told}");
-    assert_eq!(bench.journals(), 1, "{told}");
+    assert_eq!(bench.journals().len(), 1, "{told}");
 }
 
 #[test]
@@ -380,7 +394,7 @@ fn a_session_whose_recordings_cannot_be_made_fails_the_program_after_the_next_on
     interrupt(&child);
     let (code, told) = ended(child);
     assert!(code == Some(1) && told.contains(&journal), "{told}");
-    assert_eq!(bench.journals(), 1);
+    assert_eq!(bench.journals().len(), 1);
 }
 
 #[test]
