@@ -13,7 +13,7 @@ use evaluation::EvaluatedRecording;
 use execution::fingerprint::Fingerprint;
 use execution::progress;
 use execution::run_folder::{RunError, RunFolder};
-use training::optimization::read_back;
+use training::optimization::{REPLACED, read_back};
 use training::run::context::RunContext;
 use training::weights::load_model;
 
@@ -44,8 +44,8 @@ impl TrainedBaseline {
         let made_from = features.lineage(streams);
         let from = (baseline, run, made_from, device);
         let predict = match baseline {
-            Baseline::Lstm => load(LstmBaseline::new(0, classes, device), from)?,
-            Baseline::EdTcn => load(EdTcn::new(0, classes, device), from)?,
+            Baseline::Lstm => load(LstmBaseline::new(REPLACED, classes, device), from)?,
+            Baseline::EdTcn => load(EdTcn::new(REPLACED, classes, device), from)?,
         };
         Ok(Self {
             features,

@@ -23,6 +23,9 @@ use burn::tensor::{Device, Tensor};
 
 use crate::weights::values;
 
+/// Seed of a model of which all weights are replaced.
+pub const REPLACED: u64 = 0;
+
 /// Creates a model and draws its initial weights from a seed.
 ///
 /// Burn has one generator for a device, which all threads share, and draws a weight when it is first read. Here all weights are

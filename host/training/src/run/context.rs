@@ -9,6 +9,7 @@ use shared::model::LookBackLogits;
 use shared::units::CleanSample;
 
 use crate::inference::{student_logits, teacher_logits};
+use crate::optimization::REPLACED;
 use crate::optimization::fit::{CHECKPOINT_EVERY, Training};
 use crate::student::model::Student;
 use crate::teacher::model::Teacher;
@@ -101,7 +102,16 @@ impl RunContext {
 
     /// Loads a float model by the name of its files.
     pub(crate) fn logits(&self, name: &str) -> Result<FloatModel, RunError> {
-        load_logits(&self.folder, &self.config, name, self.inference_device())
+        let device = self.inference_device();
+        if name == presets::teacher::NAME {
+            let model = load_teacher(&self.folder, &self.config, &device)?;
+            let shape = self.config.preset.teacher.window_shape();
+            return Ok(Box::new(move |emg| {
+                teacher_logits(&model, shape, emg, &device)
+            }));
+        }
+        let model = self.student(name)?;
+        Ok(Box::new(move |emg| student_logits(&model, emg, &device)))
     }
 
     /// Loads a trained student by the name of its files, without gradients.
@@ -121,29 +131,8 @@ impl RunContext {
     }
 }
 
-/// Seed of weights of which all are replaced.
-const REPLACED: u64 = 0;
-
 /// Float model of a run: its logits at every patch of a stream.
 pub type FloatModel = Box<dyn Fn(&[CleanSample]) -> Vec<LookBackLogits> + Send + Sync>;
-
-/// Loads the trained teacher or a student of a run folder by the name of its files, on a device without gradients.
-fn load_logits(
-    folder: &RunFolder,
-    config: &ResolvedConfig,
-    name: &str,
-    device: Device,
-) -> Result<FloatModel, RunError> {
-    if name == presets::teacher::NAME {
-        let model = load_teacher(folder, config, &device)?;
-        let shape = config.preset.teacher.window_shape();
-        return Ok(Box::new(move |emg| {
-            teacher_logits(&model, shape, emg, &device)
-        }));
-    }
-    let model = load_student(folder, config, name, &device)?;
-    Ok(Box::new(move |emg| student_logits(&model, emg, &device)))
-}
 
 /// Loads the trained teacher of a run folder, on a device without gradients.
 pub fn load_teacher(

@@ -6,6 +6,7 @@ use burn::tensor::{Device, Tensor, TensorData};
 use shared::model::file::{LinearParts, ModelParts, NormParts};
 
 use super::model::{HEADS, Student, StudentConfig};
+use crate::optimization::REPLACED;
 
 /// Creates the student with the weights that a model file stores; also returns its dimensions.
 pub fn dequantize(parts: &ModelParts, device: &Device) -> (Student, StudentConfig) {
@@ -18,9 +19,8 @@ pub fn dequantize(parts: &ModelParts, device: &Device) -> (Student, StudentConfi
         companding: parts.companding,
         board: true,
     };
-    // The weights of any seed: all are replaced.
     let mut student = Student::new(
-        0,
+        REPLACED,
         &config,
         dimensions.vocabulary.classes(),
         dimensions.other,
